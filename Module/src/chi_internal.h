@@ -1,0 +1,23 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#ifndef CHI_INTERNAL_H
+#define CHI_INTERNAL_H
+
+#include <chiaroscuro/chi.h>
+
+/* Scratch from the host. NULL when refused, when count is 0, or when count * size overflows. */
+void* chi_alloc(const chi_exec* exec, size_t count, size_t size);
+void chi_free(const chi_exec* exec, void* block, size_t count, size_t size);
+
+/* Run body over [0, count) with the host's threads. CHI_OK or CHI_ERROR_CANCELLED. */
+chi_status chi_for(const chi_exec* exec, size_t count, chi_range_fn body, void* data);
+int chi_is_cancelled(const chi_exec* exec);
+
+int chi_view_is_valid(const chi_vec3_view* view);
+int chi_array_is_valid(const chi_array_view* view);
+
+/* Offsets ordered, ids in range; reads all of both, so call it once an entry. */
+int chi_lines_are_valid(const chi_lines_view* lines);
+void chi_view_get(const chi_vec3_view* view, size_t i, double x[3]);
+
+#endif
