@@ -1,0 +1,152 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#ifndef CHI_OCCLUSION_H
+#define CHI_OCCLUSION_H
+
+/*
+ * Combined occlusion of a volume and opaque geometry, on slices perpendicular to the view axis.
+ * Source: Schott, Martin, Grosset, Smith & Hansen, "Ambient Occlusion Effects for Combined Volumes
+ * and Tubular Geometry", IEEE TVCG 19(6), 2013; the blur of its occlusion buffer is replaced by
+ * discrete ordinates, one buffer a direction (Documentation/theory/occlusion.md says why).
+ */
+
+#include "chi_camera.h"
+#include "chi_surface.h"
+#include "chi_transfer.h"
+#include "chi_volume.h"
+
+#ifdef __cplusplus
+extern "C"
+{
+#endif
+
+/** A renderer: what it derived from the last frames is kept, and made anew only where its source
+ * changed. One handle serves one thread of calls at a time. */
+typedef struct chi_occlusion chi_occlusion;
+
+enum
+{
+  CHI_OCCLUSION_ORDINATES = 0, /**< one buffer a direction, each shifted by its own constant offset */
+  CHI_OCCLUSION_PUBLISHED = 1  /**< one buffer, blurred in every slice (Schott et al. 2009, 2013) */
+};
+
+/** Who darkens whom; bits of chi_occlusion_params.interactions. */
+enum
+{
+  CHI_VOLUME_TO_VOLUME = 1,
+  CHI_VOLUME_TO_GEOMETRY = 2,
+  CHI_GEOMETRY_TO_VOLUME = 4,
+  CHI_GEOMETRY_TO_GEOMETRY = 8,
+  CHI_ALL_INTERACTIONS = 15
+};
+
+typedef struct chi_occlusion_params
+{
+  size_t struct_size;
+  int32_t method;         /**< CHI_OCCLUSION_ORDINATES or _PUBLISHED */
+  int32_t directions;     /**< 1 ... 64, equal solid angle each; taps of the published rule; default 16 */
+  int32_t half_size;      /**< non-zero: light buffers at half the picture's resolution; default 1 */
+  int32_t interactions;   /**< CHI_VOLUME_TO_VOLUME | ...; default all */
+  double cone_angle_rad;  /**< half angle of the cone of light, 1 ... 85 degrees; default 45 degrees */
+  double strength;        /**< 0 = unshaded ray cast ... 1; default 1 */
+  double sample_distance; /**< between slices along the view axis, world units; 0 = one voxel */
+  double bias;            /**< visibility is read so much nearer to the eye, world units; negative =
+                               1.5 voxels (default) */
+  double geometry_thickness; /**< geometry blocks the light so far behind its surface, world units;
+                                  0 = one slab (default), INFINITY = Algorithm 3 of the paper */
+  int32_t skip;           /**< 0: take every sample and every light tile (tests); default 1 */
+  int32_t reserved;
+} chi_occlusion_params;
+
+/** Visibility at chosen points, for tests and for users who measure. */
+typedef struct chi_occlusion_probes
+{
+  const double* position; /**< [count x 3]: x, y in pixels (centre of pixel i is i + 0.5), depth */
+  float* visibility;      /**< [count] mean visibility of the cone, before strength, after bias */
+  size_t count;
+} chi_occlusion_probes;
+
+/** One frame: all borrowed, none modified. */
+typedef struct chi_occlusion_frame
+{
+  size_t struct_size;
+  const chi_camera* camera;
+  const chi_volume_view* volume;     /**< NULL: geometry alone */
+  const chi_transfer_view* transfer; /**< required with a volume */
+  const chi_surface_view* surface;   /**< NULL: no geometry */
+  const chi_occlusion_params* params;
+  const chi_occlusion_probes* probes; /**< NULL: none; a frame with probes is never taken as unchanged */
+} chi_occlusion_frame;
+
+/** The last picture, owned by the handle, valid until its next call. Row 0 is the lowest. */
+typedef struct chi_occlusion_image
+{
+  int32_t width, height;
+  const float* rgba;       /**< [height x width x 4] the volume alone: premultiplied colour, alpha;
+                                in front of the surface where there is one */
+  const float* visibility; /**< [height x width] of the surface after strength: its ambient and
+                                diffuse colour is to be multiplied by it; 1 where there is none */
+} chi_occlusion_image;
+
+/** What the last frame cost. Times are seconds of wall clock, summed over threads where marked (t). */
+typedef struct chi_occlusion_stats
+{
+  size_t struct_size;
+  int64_t slices;          /**< sample planes */
+  int64_t light_slices;    /**< light planes, those without samples included */
+  int64_t samples;         /**< volume samples fetched and classified */
+  int64_t skipped_samples; /**< samples inside the volume's footprint that were not needed */
+  int64_t light_updates;   /**< direction x buffer pixel updates carried out */
+  int64_t skipped_light_updates;
+  int64_t occupied_bricks, bricks;
+  int64_t non_finite_samples; /**< NaN or infinite voxels in the input: transparent */
+  int32_t reused;          /**< 1: nothing changed, the last picture stands */
+  int32_t reused_bricks;   /**< 1: min-max bricks kept; likewise the next */
+  int32_t reused_classification;
+  int32_t reserved;
+  double seconds_bricks, seconds_classification, seconds_visible_set, seconds_slices, seconds_total;
+  double seconds_samples; /**< (t) share of seconds_slices */
+  double seconds_light;   /**< (t) share of seconds_slices */
+} chi_occlusion_stats;
+
+/** The defaults named above. Infallible. */
+CHI_API void chi_occlusion_default_params(chi_occlusion_params* params);
+
+CHI_API CHI_NODISCARD chi_status chi_occlusion_create(
+  const chi_exec* exec, chi_occlusion** occlusion);
+CHI_API void chi_occlusion_destroy(const chi_exec* exec, chi_occlusion* occlusion);
+
+/**
+ * Render one frame.
+ *
+ * @param[in]     exec       host services, or NULL; alloc and release must be those of create
+ * @param[in,out] occlusion  renderer
+ * @param[in]     frame      scene, camera, parameters; borrowed for the call
+ *
+ * @retval CHI_OK                      picture, probes and statistics are those of this frame
+ * @retval CHI_ERROR_INVALID_ARGUMENT  null pointer, unknown type, window or matrix that is singular or
+ *                                     not finite, parameter out of range; the last picture stands
+ * @retval CHI_ERROR_OUT_OF_MEMORY     the last picture is lost, the handle stays usable
+ * @retval CHI_ERROR_TOO_LARGE         more than 2^24 slices, or a size overflows
+ * @retval CHI_ERROR_CANCELLED         the last picture is lost, the handle stays usable
+ *
+ * Precision    samples and light in float, positions and tables in double; see theory/occlusion.md.
+ * Determinism  same bits for any number of threads and any parallel_for on one instruction set;
+ *              between instruction sets pictures differ by rounding, <= 1e-4 of full scale.
+ * Non-finite   NaN and infinite voxels are transparent (every cell they touch) and counted.
+ * Cost         slices x pixels of the footprint x (1 sample + directions / 4 light updates at half size).
+ */
+CHI_API CHI_NODISCARD chi_status chi_occlusion_render(
+  const chi_exec* exec, chi_occlusion* occlusion, const chi_occlusion_frame* frame);
+
+/** The last picture; all zero and NULL before the first or after a failed frame. */
+CHI_API void chi_occlusion_get_image(const chi_occlusion* occlusion, chi_occlusion_image* image);
+CHI_API void chi_occlusion_get_stats(const chi_occlusion* occlusion, chi_occlusion_stats* stats);
+
+/** Name of the instruction set in use: "avx512", "avx2" or "generic". */
+CHI_API const char* chi_occlusion_instruction_set(void);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

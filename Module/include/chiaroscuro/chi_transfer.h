@@ -1,0 +1,32 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#ifndef CHI_TRANSFER_H
+#define CHI_TRANSFER_H
+
+#include "chi.h"
+
+#ifdef __cplusplus
+extern "C"
+{
+#endif
+
+/**
+ * Borrowed tables of colour and opacity over the scalar, `count` equidistant entries from range[0]
+ * to range[1], both included; scalars outside are clamped to the range. Opacity is that of a path of
+ * `unit_distance`; extinction = -ln(1 - min(opacity, 1 - 2^-24)) / unit_distance.
+ */
+typedef struct chi_transfer_view
+{
+  size_t struct_size;
+  const float* rgb;     /**< [count x 3], 0 ... 1 */
+  const float* opacity; /**< [count], 0 ... 1 */
+  size_t count;         /**< 2 ... 65536 */
+  double range[2];      /**< scalar units; range[0] < range[1] */
+  double unit_distance; /**< world units, > 0 */
+  uint64_t version;     /**< differs whenever the tables do */
+} chi_transfer_view;
+
+#ifdef __cplusplus
+}
+#endif
+#endif
