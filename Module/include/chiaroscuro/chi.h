@@ -37,9 +37,9 @@ enum
   CHI_ERROR_INVALID_ARGUMENT = 1, /**< null pointer, stride < item size, unknown type */
   CHI_ERROR_EMPTY = 2,            /**< the result is undefined for zero items */
   CHI_ERROR_OUT_OF_MEMORY = 3,
-  CHI_ERROR_CANCELLED = 4,     /**< is_cancelled returned non-zero; outputs unspecified */
-  CHI_ERROR_TOO_LARGE = 5,     /**< a count or size overflows, or exceeds the stated bound */
-  CHI_ERROR_NOT_READY = 6      /**< a handle lacks the earlier call that this one builds on */
+  CHI_ERROR_CANCELLED = 4, /**< is_cancelled returned non-zero; outputs unspecified */
+  CHI_ERROR_TOO_LARGE = 5, /**< a count or size overflows, or exceeds the stated bound */
+  CHI_ERROR_NOT_READY = 6  /**< a handle lacks the earlier call that this one builds on */
 };
 
 /** Version of the library as major * 10000 + minor * 100 + patch. */

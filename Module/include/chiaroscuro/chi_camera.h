@@ -19,11 +19,12 @@ typedef struct chi_camera
 {
   size_t struct_size;
   double world_to_eye[16]; /**< row-major, rigid; the eye looks along -z, as in OpenGL and VTK */
-  double window[4]; /**< left, right, bottom, top: world units (parallel), or at depth 1 (perspective);
-                         need not be symmetric, so that tiles and stereo pairs fit in */
-  int32_t parallel; /**< non-zero: parallel projection */
-  int32_t width;    /**< pixels, >= 1 */
-  int32_t height;   /**< pixels, >= 1 */
+  double
+    window[4]; /**< left, right, bottom, top: world units (parallel), or at depth 1 (perspective);
+                    need not be symmetric, so that tiles and stereo pairs fit in */
+  int32_t parallel;  /**< non-zero: parallel projection */
+  int32_t width;     /**< pixels, >= 1 */
+  int32_t height;    /**< pixels, >= 1 */
   double near_depth; /**< nothing nearer to the eye is drawn; world units, > 0 in perspective */
 } chi_camera;
 

@@ -26,8 +26,9 @@ typedef struct chi_occlusion chi_occlusion;
 
 enum
 {
-  CHI_OCCLUSION_ORDINATES = 0, /**< one buffer a direction, each shifted by its own constant offset */
-  CHI_OCCLUSION_PUBLISHED = 1  /**< one buffer, blurred in every slice (Schott et al. 2009, 2013) */
+  CHI_OCCLUSION_ORDINATES =
+    0, /**< one buffer a direction, each shifted by its own constant offset */
+  CHI_OCCLUSION_PUBLISHED = 1 /**< one buffer, blurred in every slice (Schott et al. 2009, 2013) */
 };
 
 /** Who darkens whom; bits of chi_occlusion_params.interactions. */
@@ -43,18 +44,20 @@ enum
 typedef struct chi_occlusion_params
 {
   size_t struct_size;
-  int32_t method;         /**< CHI_OCCLUSION_ORDINATES or _PUBLISHED */
-  int32_t directions;     /**< 1 ... 64, equal solid angle each; taps of the published rule; default 16 */
-  int32_t half_size;      /**< non-zero: light buffers at half the picture's resolution; default 1 */
-  int32_t interactions;   /**< CHI_VOLUME_TO_VOLUME | ...; default all */
-  double cone_angle_rad;  /**< half angle of the cone of light, 1 ... 85 degrees; default 45 degrees */
-  double strength;        /**< 0 = unshaded ray cast ... 1; default 1 */
+  int32_t method; /**< CHI_OCCLUSION_ORDINATES or _PUBLISHED */
+  int32_t
+    directions; /**< 1 ... 64, equal solid angle each; taps of the published rule; default 16 */
+  int32_t half_size;    /**< non-zero: light buffers at half the picture's resolution; default 1 */
+  int32_t interactions; /**< CHI_VOLUME_TO_VOLUME | ...; default all */
+  double
+    cone_angle_rad; /**< half angle of the cone of light, 1 ... 85 degrees; default 45 degrees */
+  double strength;  /**< 0 = unshaded ray cast ... 1; default 1 */
   double sample_distance; /**< between slices along the view axis, world units; 0 = one voxel */
   double bias;            /**< visibility is read so much nearer to the eye, world units; negative =
                                1.5 voxels (default) */
   double geometry_thickness; /**< geometry blocks the light so far behind its surface, world units;
                                   0 = one slab (default), INFINITY = Algorithm 3 of the paper */
-  int32_t skip;           /**< 0: take every sample and every light tile (tests); default 1 */
+  int32_t skip;              /**< 0: take every sample and every light tile (tests); default 1 */
   int32_t reserved;
 } chi_occlusion_params;
 
@@ -75,7 +78,8 @@ typedef struct chi_occlusion_frame
   const chi_transfer_view* transfer; /**< required with a volume */
   const chi_surface_view* surface;   /**< NULL: no geometry */
   const chi_occlusion_params* params;
-  const chi_occlusion_probes* probes; /**< NULL: none; a frame with probes is never taken as unchanged */
+  const chi_occlusion_probes*
+    probes; /**< NULL: none; a frame with probes is never taken as unchanged */
 } chi_occlusion_frame;
 
 /** The last picture, owned by the handle, valid until its next call. Row 0 is the lowest. */
@@ -88,7 +92,8 @@ typedef struct chi_occlusion_image
                                 diffuse colour is to be multiplied by it; 1 where there is none */
 } chi_occlusion_image;
 
-/** What the last frame cost. Times are seconds of wall clock, summed over threads where marked (t). */
+/** What the last frame cost. Times are seconds of wall clock, summed over threads where marked (t).
+ */
 typedef struct chi_occlusion_stats
 {
   size_t struct_size;
@@ -100,8 +105,8 @@ typedef struct chi_occlusion_stats
   int64_t skipped_light_updates;
   int64_t occupied_bricks, bricks;
   int64_t non_finite_samples; /**< NaN or infinite voxels in the input: transparent */
-  int32_t reused;          /**< 1: nothing changed, the last picture stands */
-  int32_t reused_bricks;   /**< 1: min-max bricks kept; likewise the next */
+  int32_t reused;             /**< 1: nothing changed, the last picture stands */
+  int32_t reused_bricks;      /**< 1: min-max bricks kept; likewise the next */
   int32_t reused_classification;
   int32_t reserved;
   double seconds_bricks, seconds_classification, seconds_visible_set, seconds_slices, seconds_total;
@@ -124,8 +129,8 @@ CHI_API void chi_occlusion_destroy(const chi_exec* exec, chi_occlusion* occlusio
  * @param[in]     frame      scene, camera, parameters; borrowed for the call
  *
  * @retval CHI_OK                      picture, probes and statistics are those of this frame
- * @retval CHI_ERROR_INVALID_ARGUMENT  null pointer, unknown type, window or matrix that is singular or
- *                                     not finite, parameter out of range; the last picture stands
+ * @retval CHI_ERROR_INVALID_ARGUMENT  null pointer, unknown type, window or matrix that is singular
+ * or not finite, parameter out of range; the last picture stands
  * @retval CHI_ERROR_OUT_OF_MEMORY     the last picture is lost, the handle stays usable
  * @retval CHI_ERROR_TOO_LARGE         more than 2^24 slices, or a size overflows
  * @retval CHI_ERROR_CANCELLED         the last picture is lost, the handle stays usable
@@ -134,7 +139,8 @@ CHI_API void chi_occlusion_destroy(const chi_exec* exec, chi_occlusion* occlusio
  * Determinism  same bits for any number of threads and any parallel_for on one instruction set;
  *              between instruction sets pictures differ by rounding, <= 1e-4 of full scale.
  * Non-finite   NaN and infinite voxels are transparent (every cell they touch) and counted.
- * Cost         slices x pixels of the footprint x (1 sample + directions / 4 light updates at half size).
+ * Cost         slices x pixels of the footprint x (1 sample + directions / 4 light updates at half
+ * size).
  */
 CHI_API CHI_NODISCARD chi_status chi_occlusion_render(
   const chi_exec* exec, chi_occlusion* occlusion, const chi_occlusion_frame* frame);

@@ -16,8 +16,8 @@ typedef struct chi_spline chi_spline;
 typedef struct chi_spline_params
 {
   size_t struct_size;
-  double tolerance;       /**< largest distance of an input point to its curve, length units; >= 0 */
-  int32_t method;         /**< CHI_SPLINE_... below */
+  double tolerance; /**< largest distance of an input point to its curve, length units; >= 0 */
+  int32_t method;   /**< CHI_SPLINE_... below */
   int32_t max_iterations; /**< of the coefficient update, a halving; 0 = default (64) */
   int32_t max_halvings;   /**< of the data reduction; 0 = default (16), -1 = none */
   /** Points closer than this to the one before are dropped and counted; 0 = exact repeats only. */
@@ -26,10 +26,11 @@ typedef struct chi_spline_params
 
 enum
 {
-  CHI_SPLINE_PROGRESSIVE = 0,   /**< Schott et al. 2013, section 4.1: the default */
-  CHI_SPLINE_POLYLINE = 1,      /**< no fit: degree 1 through the input points */
-  CHI_SPLINE_INTERPOLATE = 2,   /**< peer for the benchmark: cubic through every point */
-  CHI_SPLINE_LEAST_SQUARES = 3  /**< peer: cubic with the same coefficients a halving level, least squares */
+  CHI_SPLINE_PROGRESSIVE = 0, /**< Schott et al. 2013, section 4.1: the default */
+  CHI_SPLINE_POLYLINE = 1,    /**< no fit: degree 1 through the input points */
+  CHI_SPLINE_INTERPOLATE = 2, /**< peer for the benchmark: cubic through every point */
+  CHI_SPLINE_LEAST_SQUARES =
+    3 /**< peer: cubic with the same coefficients a halving level, least squares */
 };
 
 /** Why a line has no curve; CHI_SPLINE_USED otherwise. */
@@ -43,9 +44,9 @@ enum
 
 /**
  * One curve, borrowed from the handle until the next fit or destroy. Position at u in [0, 1]:
- * sum_i N_i(u) coefficients[i], relative to `origin` (kept apart, so that lines at 1e8 lose nothing).
- * Closed curves are periodic: the first `degree` coefficients are repeated at the end, so that both
- * kinds evaluate alike.
+ * sum_i N_i(u) coefficients[i], relative to `origin` (kept apart, so that lines at 1e8 lose
+ * nothing). Closed curves are periodic: the first `degree` coefficients are repeated at the end, so
+ * that both kinds evaluate alike.
  */
 typedef struct chi_spline_curve
 {
@@ -56,8 +57,8 @@ typedef struct chi_spline_curve
   int32_t closed;             /**< 1: first and last input point are equal bit for bit */
   int32_t reason;             /**< CHI_SPLINE_USED ... CHI_SPLINE_NOT_FINITE */
   double origin[3];
-  double length;              /**< chord length of the cleaned input line */
-  double max_error;           /**< >= the two-sided Hausdorff distance curve <-> cleaned polyline */
+  double length;    /**< chord length of the cleaned input line */
+  double max_error; /**< >= the two-sided Hausdorff distance curve <-> cleaned polyline */
   /** Cleaned input points: parameter in [0, 1] and index within the line, both ascending. */
   const double* point_parameters; /**< [point_count] */
   const int64_t* point_indices;   /**< [point_count], index into the line's connectivity */
@@ -67,15 +68,16 @@ typedef struct chi_spline_curve
 typedef struct chi_spline_stats
 {
   size_t struct_size;
-  size_t curves;        /**< lines that have a curve */
-  size_t coefficients;  /**< control points of all curves, repeats of closed ones not counted */
-  size_t skipped_lines; /**< lines without a curve, all reasons */
-  size_t skipped[4];    /**< by reason */
+  size_t curves;            /**< lines that have a curve */
+  size_t coefficients;      /**< control points of all curves, repeats of closed ones not counted */
+  size_t skipped_lines;     /**< lines without a curve, all reasons */
+  size_t skipped[4];        /**< by reason */
   size_t repeated_points;   /**< dropped: equal to the one before, or within merge_distance */
   size_t non_finite_points; /**< dropped: NaN or infinite */
-  double max_error;     /**< the largest of the curves' */
-  double max_point_error; /**< the largest distance of an input point to its curve; <= tolerance where the fit converged */
-  size_t unconverged;   /**< curves whose tolerance could not be met */
+  double max_error;         /**< the largest of the curves' */
+  double max_point_error;   /**< the largest distance of an input point to its curve; <= tolerance
+                               where the fit converged */
+  size_t unconverged;       /**< curves whose tolerance could not be met */
 } chi_spline_stats;
 
 CHI_API CHI_NODISCARD chi_status chi_spline_create(const chi_exec* exec, chi_spline** spline);
@@ -91,7 +93,8 @@ CHI_API void chi_spline_get_stats(const chi_spline* spline, chi_spline_stats* st
 /**
  * Position and derivatives with respect to u at one parameter: out[0] position minus origin,
  * out[1] first, out[2] second, out[3] third derivative; `order` in 0 ... 3 says how many.
- * Infallible; u is clamped to [0, 1]. At a knot of a degree-1 curve the segment to the right counts.
+ * Infallible; u is clamped to [0, 1]. At a knot of a degree-1 curve the segment to the right
+ * counts.
  */
 CHI_API void chi_spline_evaluate(
   const chi_spline_curve* curve, double u, int32_t order, double out[][3]);

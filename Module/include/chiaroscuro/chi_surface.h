@@ -14,8 +14,8 @@ extern "C"
 typedef struct chi_surface_view
 {
   size_t struct_size;
-  const float* depth; /**< [height x width] depth as in chi_camera, world units; +infinity, or anything
-                           that is not a positive number, where there is no surface */
+  const float* depth; /**< [height x width] depth as in chi_camera, world units; +infinity, or
+                         anything that is not a positive number, where there is no surface */
   uint64_t version;   /**< differs whenever the depths do */
 } chi_surface_view;
 

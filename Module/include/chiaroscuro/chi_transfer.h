@@ -12,8 +12,8 @@ extern "C"
 
 /**
  * Borrowed tables of colour and opacity over the scalar, `count` equidistant entries from range[0]
- * to range[1], both included; scalars outside are clamped to the range. Opacity is that of a path of
- * `unit_distance`; extinction = -ln(1 - min(opacity, 1 - 2^-24)) / unit_distance.
+ * to range[1], both included; scalars outside are clamped to the range. Opacity is that of a path
+ * of `unit_distance`; extinction = -ln(1 - min(opacity, 1 - 2^-24)) / unit_distance.
  */
 typedef struct chi_transfer_view
 {

@@ -25,9 +25,9 @@ typedef struct chi_volume_view
 {
   size_t struct_size;
   const void* scalars;
-  chi_type type;         /**< any chi_type */
-  size_t stride;         /**< bytes from one sample to the next; >= chi_type_size(type) */
-  size_t dimensions[3];  /**< samples along x, y, z */
+  chi_type type;             /**< any chi_type */
+  size_t stride;             /**< bytes from one sample to the next; >= chi_type_size(type) */
+  size_t dimensions[3];      /**< samples along x, y, z */
   double index_to_world[16]; /**< row-major, affine; mirrors and shears are allowed */
   int32_t is_cell_data;
   int32_t interpolation; /**< CHI_NEAREST or CHI_LINEAR */

@@ -1,0 +1,385 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "chi_occlusion_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* What a stage was made from; it runs again only where this differs. */
+typedef struct volume_key
+{
+  const void* scalars;
+  uint64_t version;
+  size_t stride, dimensions[3];
+  int64_t type, interpolation;
+} volume_key;
+
+typedef struct transfer_key
+{
+  const void* rgb;
+  const void* opacity;
+  uint64_t version;
+  size_t count;
+  double range[2], unit_distance;
+  int64_t dilate;
+} transfer_key;
+
+typedef struct frame_key
+{
+  double world_to_eye[16], window[4], near_depth;
+  double index_to_world[16];
+  double cone_angle, strength, sample_distance, bias, thickness;
+  const void* depth;
+  uint64_t surface_version;
+  int64_t integers[12];
+} frame_key;
+
+struct chi_occlusion
+{
+  chi_bricks bricks;
+  chi_classification classification;
+  chi_march march;
+  chi_buffer rgba, visibility;
+  volume_key volume;
+  transfer_key transfer;
+  frame_key frame;
+  int has_bricks, has_classification, has_frame;
+  int32_t width, height;
+  chi_occlusion_stats stats;
+};
+
+void chi_occlusion_default_params(chi_occlusion_params* params)
+{
+  if (params)
+  {
+    *params = (chi_occlusion_params){ .struct_size = sizeof *params,
+      .method = CHI_OCCLUSION_ORDINATES,
+      .directions = 16,
+      .half_size = 1,
+      .interactions = CHI_ALL_INTERACTIONS,
+      .cone_angle_rad = 0.78539816339744831,
+      .strength = 1,
+      .bias = -1,
+      .skip = 1 };
+  }
+}
+
+chi_status chi_occlusion_create(const chi_exec* exec, chi_occlusion** occlusion)
+{
+  if (!occlusion)
+  {
+    return CHI_ERROR_INVALID_ARGUMENT;
+  }
+  *occlusion = (chi_occlusion*)chi_alloc(exec, 1, sizeof **occlusion);
+  if (!*occlusion)
+  {
+    return CHI_ERROR_OUT_OF_MEMORY;
+  }
+  memset(*occlusion, 0, sizeof **occlusion);
+  return CHI_OK;
+}
+
+void chi_occlusion_destroy(const chi_exec* exec, chi_occlusion* occlusion)
+{
+  if (!occlusion)
+  {
+    return;
+  }
+  chi_bricks_free(exec, &occlusion->bricks);
+  chi_classification_free(exec, &occlusion->classification);
+  chi_march_free(exec, &occlusion->march);
+  chi_buffer_free(exec, &occlusion->rgba);
+  chi_buffer_free(exec, &occlusion->visibility);
+  chi_free(exec, occlusion, 1, sizeof *occlusion);
+}
+
+static int all_finite(const double* x, int count)
+{
+  for (int i = 0; i < count; ++i)
+  {
+    if (!isfinite(x[i]))
+    {
+      return 0;
+    }
+  }
+  return 1;
+}
+
+static int camera_is_valid(const chi_camera* c)
+{
+  return c && c->width >= 1 && c->height >= 1 && c->width <= 32768 && c->height <= 32768 &&
+    all_finite(c->world_to_eye, 16) && all_finite(c->window, 4) && c->window[0] != c->window[1] &&
+    c->window[2] != c->window[3] && !isnan(c->near_depth) &&
+    (c->parallel || (c->near_depth > 0 && isfinite(c->near_depth)));
+}
+
+static chi_status check_volume(const chi_volume_view* v)
+{
+  const size_t size = chi_type_size(v->type);
+  if (!v->scalars || !size || v->stride < size || !all_finite(v->index_to_world, 16) ||
+    (v->interpolation != CHI_NEAREST && v->interpolation != CHI_LINEAR))
+  {
+    return CHI_ERROR_INVALID_ARGUMENT;
+  }
+  size_t samples = 1;
+  for (int a = 0; a < 3; ++a)
+  {
+    if (v->dimensions[a] == 0)
+    {
+      return CHI_ERROR_INVALID_ARGUMENT;
+    }
+    if (v->dimensions[a] > (size_t)INT32_MAX / samples)
+    {
+      return CHI_ERROR_TOO_LARGE; /* the kernels address samples by 32 bits */
+    }
+    samples *= v->dimensions[a];
+  }
+  return v->stride > SIZE_MAX / samples ? CHI_ERROR_TOO_LARGE : CHI_OK;
+}
+
+static int transfer_is_valid(const chi_transfer_view* t)
+{
+  return t && t->rgb && t->opacity && t->count >= 2 && t->count <= 65536 &&
+    all_finite(t->range, 2) && t->range[0] < t->range[1] && t->unit_distance > 0 &&
+    isfinite(t->unit_distance);
+}
+
+static int params_are_valid(const chi_occlusion_params* p)
+{
+  const double degree = 0.017453292519943295;
+  return p && (p->method == CHI_OCCLUSION_ORDINATES || p->method == CHI_OCCLUSION_PUBLISHED) &&
+    p->directions >= 1 && p->directions <= CHI_MAX_DIRECTIONS &&
+    p->cone_angle_rad >= 0.999999 * degree && p->cone_angle_rad <= 85.000001 * degree &&
+    p->strength >= 0 && p->strength <= 1 && p->sample_distance >= 0 &&
+    isfinite(p->sample_distance) && isfinite(p->bias) && p->geometry_thickness >= 0;
+}
+
+static chi_status check_frame(const chi_occlusion_frame* frame)
+{
+  if (!frame || !camera_is_valid(frame->camera) || !params_are_valid(frame->params) ||
+    (frame->volume && !transfer_is_valid(frame->transfer)) ||
+    (frame->surface && !frame->surface->depth) ||
+    (frame->probes && frame->probes->count &&
+      !(frame->probes->position && frame->probes->visibility)))
+  {
+    return CHI_ERROR_INVALID_ARGUMENT;
+  }
+  return frame->volume ? check_volume(frame->volume) : CHI_OK;
+}
+
+static volume_key key_of_volume(const chi_volume_view* v)
+{
+  volume_key key;
+  memset(&key, 0, sizeof key);
+  key.scalars = v->scalars;
+  key.version = v->version;
+  key.stride = v->stride;
+  memcpy(key.dimensions, v->dimensions, sizeof key.dimensions);
+  key.type = v->type;
+  key.interpolation = v->interpolation;
+  return key;
+}
+
+static transfer_key key_of_transfer(const chi_transfer_view* t, int dilate)
+{
+  transfer_key key;
+  memset(&key, 0, sizeof key);
+  key.rgb = t->rgb;
+  key.opacity = t->opacity;
+  key.version = t->version;
+  key.count = t->count;
+  memcpy(key.range, t->range, sizeof key.range);
+  key.unit_distance = t->unit_distance;
+  key.dilate = dilate;
+  return key;
+}
+
+static frame_key key_of_frame(const chi_occlusion_frame* frame)
+{
+  const chi_camera* const c = frame->camera;
+  const chi_occlusion_params* const p = frame->params;
+  frame_key key;
+  memset(&key, 0, sizeof key);
+  memcpy(key.world_to_eye, c->world_to_eye, sizeof key.world_to_eye);
+  memcpy(key.window, c->window, sizeof key.window);
+  key.near_depth = c->near_depth;
+  key.cone_angle = p->cone_angle_rad;
+  key.strength = p->strength;
+  key.sample_distance = p->sample_distance;
+  key.bias = p->bias;
+  key.thickness = p->geometry_thickness;
+  if (frame->volume)
+  {
+    memcpy(key.index_to_world, frame->volume->index_to_world, sizeof key.index_to_world);
+  }
+  if (frame->surface)
+  {
+    key.depth = frame->surface->depth;
+    key.surface_version = frame->surface->version;
+  }
+  const int64_t integers[] = { c->parallel, c->width, c->height, p->method, p->directions,
+    p->half_size, p->interactions, p->skip, frame->volume != NULL, frame->surface != NULL,
+    frame->volume ? frame->volume->is_cell_data : 0 };
+  memcpy(key.integers, integers, sizeof integers);
+  return key;
+}
+
+/* Nearest and farthest surface depth; INFINITY and -INFINITY without any. */
+static void surface_extent(const chi_occlusion_frame* frame, double extent[2])
+{
+  extent[0] = INFINITY;
+  extent[1] = -INFINITY;
+  const size_t count =
+    frame->surface ? (size_t)frame->camera->width * (size_t)frame->camera->height : 0;
+  for (size_t i = 0; i < count; ++i)
+  {
+    const double z = (double)frame->surface->depth[i];
+    if (z > 0 && z < INFINITY)
+    {
+      extent[0] = z < extent[0] ? z : extent[0];
+      extent[1] = z > extent[1] ? z : extent[1];
+    }
+  }
+}
+
+/* Bricks of margin by which occupancy grows, where slices lie more than a voxel apart: a segment
+ * may then cross a brick in which neither of its ends lies. */
+static int dilation(const chi_scene* scene)
+{
+  double step = 0;
+  for (int a = 0; a < 3; ++a)
+  {
+    double axis = fabs(scene->axis[a]);
+    if (!scene->parallel)
+    {
+      axis += fabs(scene->along_x[a]) * scene->width + fabs(scene->along_y[a]) * scene->height;
+    }
+    step = fmax(step, axis * scene->slice);
+  }
+  return step <= 2 ? 0 : step < 800 ? (int)((step - 2) / 8) + 1 : 100;
+}
+
+static chi_status prepare_volume(
+  const chi_exec* exec, chi_occlusion* o, const chi_occlusion_frame* frame, const chi_scene* scene)
+{
+  const double t0 = chi_seconds();
+  const volume_key volume = key_of_volume(frame->volume);
+  chi_status status = CHI_OK;
+  o->stats.reused_bricks = o->has_bricks && memcmp(&volume, &o->volume, sizeof volume) == 0;
+  if (!o->stats.reused_bricks)
+  {
+    o->has_bricks = o->has_classification = o->has_frame = 0;
+    status = chi_bricks_build(exec, &o->bricks, frame->volume);
+    o->volume = volume;
+    o->has_bricks = status == CHI_OK;
+  }
+  const double t1 = chi_seconds();
+  o->stats.seconds_bricks = t1 - t0;
+  const transfer_key transfer = key_of_transfer(frame->transfer, dilation(scene));
+  o->stats.reused_classification = status == CHI_OK && o->has_classification &&
+    memcmp(&transfer, &o->transfer, sizeof transfer) == 0;
+  if (status == CHI_OK && !o->stats.reused_classification)
+  {
+    o->has_classification = o->has_frame = 0;
+    status =
+      chi_classify(exec, &o->classification, &o->bricks, frame->transfer, (int)transfer.dilate);
+    o->transfer = transfer;
+    o->has_classification = status == CHI_OK;
+  }
+  o->stats.seconds_classification = chi_seconds() - t1;
+  o->stats.non_finite_samples = o->bricks.non_finite;
+  o->stats.occupied_bricks = o->classification.occupied_bricks;
+  o->stats.bricks = (int64_t)(o->bricks.count[0] * o->bricks.count[1] * o->bricks.count[2]);
+  return status;
+}
+
+chi_status chi_occlusion_render(
+  const chi_exec* exec, chi_occlusion* o, const chi_occlusion_frame* frame)
+{
+  chi_status status = o ? check_frame(frame) : CHI_ERROR_INVALID_ARGUMENT;
+  if (status != CHI_OK)
+  {
+    return status;
+  }
+  const double t0 = chi_seconds();
+  double extent[2];
+  surface_extent(frame, extent);
+  chi_scene scene;
+  memset(&scene, 0, sizeof scene);
+  status = chi_scene_build(&scene, frame, extent[0], extent[1]);
+  if (status != CHI_OK)
+  {
+    return status;
+  }
+  o->stats = (chi_occlusion_stats){ .struct_size = sizeof o->stats };
+  if (frame->volume)
+  {
+    status = prepare_volume(exec, o, frame, &scene);
+  }
+  const frame_key key = key_of_frame(frame);
+  if (status == CHI_OK && o->has_frame && !frame->probes &&
+    memcmp(&key, &o->frame, sizeof key) == 0)
+  {
+    o->stats.reused = 1;
+    o->stats.seconds_total = chi_seconds() - t0;
+    return CHI_OK;
+  }
+  o->has_frame = 0;
+  const size_t pixels = (size_t)scene.width * (size_t)scene.height;
+  if (status == CHI_OK &&
+    (!chi_buffer_reserve(exec, &o->rgba, pixels, 4 * sizeof(float)) ||
+      !chi_buffer_reserve(exec, &o->visibility, pixels, sizeof(float))))
+  {
+    status = CHI_ERROR_OUT_OF_MEMORY;
+  }
+  chi_march_result result = { 0 };
+  if (status == CHI_OK)
+  {
+    status = chi_march_run(exec, &o->march, &scene, &o->bricks, &o->classification, frame,
+      (float*)o->rgba.data, (float*)o->visibility.data, &result);
+  }
+  if (status == CHI_OK)
+  {
+    o->frame = key;
+    o->has_frame = 1;
+    o->width = scene.width;
+    o->height = scene.height;
+  }
+  o->stats.slices = (scene.volume_end - scene.volume_begin) * scene.group;
+  o->stats.light_slices = scene.slabs;
+  o->stats.samples = result.samples;
+  o->stats.skipped_samples = result.skipped_samples;
+  o->stats.light_updates = result.light_updates;
+  o->stats.skipped_light_updates = result.skipped_light_updates;
+  o->stats.seconds_visible_set = result.seconds_visible_set;
+  o->stats.seconds_slices = result.seconds_slices;
+  o->stats.seconds_samples = result.seconds_samples;
+  o->stats.seconds_light = result.seconds_light;
+  o->stats.seconds_total = chi_seconds() - t0;
+  return status;
+}
+
+void chi_occlusion_get_image(const chi_occlusion* o, chi_occlusion_image* image)
+{
+  if (image)
+  {
+    const int valid = o && o->has_frame;
+    *image = (chi_occlusion_image){ .width = valid ? o->width : 0,
+      .height = valid ? o->height : 0,
+      .rgba = valid ? (const float*)o->rgba.data : NULL,
+      .visibility = valid ? (const float*)o->visibility.data : NULL };
+  }
+}
+
+void chi_occlusion_get_stats(const chi_occlusion* o, chi_occlusion_stats* stats)
+{
+  if (stats)
+  {
+    *stats = o ? o->stats : (chi_occlusion_stats){ .struct_size = sizeof *stats };
+  }
+}
+
+const char* chi_occlusion_instruction_set(void)
+{
+  return chi_kernels()->name;
+}

@@ -1,0 +1,139 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#ifndef CHI_OCCLUSION_INTERNAL_H
+#define CHI_OCCLUSION_INTERNAL_H
+
+/*
+ * The stages of a frame:
+ *
+ *   bricks(volume) -> classification(bricks, transfer) -> scene(camera, parameters)
+ *     -> surface intervals -> visible set -> march (samples + light, slab by slab)
+ *
+ * "Slice": a plane of samples. "Segment": between two slices. "Slab": `group` segments, over which
+ * the light takes one step; its light plane lies in its middle. Depths inside the march are in
+ * slices or slabs from the first one, so that nothing depends on the scene's units.
+ */
+
+#include <chiaroscuro/chi_occlusion.h>
+
+#include "chi_internal.h"
+#include "simd/chi_occlusion_kernels.h"
+
+/* Scratch that grows and is kept: per-frame calls allocate only where a scene outgrows the last. */
+typedef struct chi_buffer
+{
+  void* data;
+  size_t bytes;
+} chi_buffer;
+
+/* 0 when refused; the old contents are lost when it grows. */
+int chi_buffer_reserve(const chi_exec* exec, chi_buffer* buffer, size_t count, size_t size);
+void chi_buffer_free(const chi_exec* exec, chi_buffer* buffer);
+
+/* Stage 1: the samples as the kernels fetch them, and their ranges in bricks of 8^3 cells. */
+typedef struct chi_bricks
+{
+  int fetch, nearest;
+  const void* scalars; /* the caller's, or `copy` */
+  chi_buffer copy;     /* float, where the caller's type or stride cannot be fetched directly */
+  double copy_scale, copy_offset; /* copied value = (scalar - offset) * scale */
+  size_t dimensions[3], count[3];
+  chi_buffer
+    range; /* float [count][2], margin of two samples included; low > high: nothing finite */
+  int64_t non_finite;
+} chi_bricks;
+
+chi_status chi_bricks_build(
+  const chi_exec* exec, chi_bricks* bricks, const chi_volume_view* volume);
+void chi_bricks_free(const chi_exec* exec, chi_bricks* bricks);
+
+/* Stage 2: what the transfer function makes of scalars, and which bricks it leaves visible. */
+typedef struct chi_classification
+{
+  chi_buffer sigma; /* chi_sigma_entry [entries] */
+  chi_buffer rgba;  /* float [entries][4] */
+  size_t entries;
+  float quantum, base, scale, offset; /* see chi_sample_frame */
+  chi_buffer visible_before; /* uint32 [entries + 1]: entries before that are not transparent */
+  chi_buffer occupied;       /* uint8 a brick, padded */
+  chi_buffer sums;           /* int32 [(nx + 1)(ny + 1)(nz + 1)] summed volume of occupied */
+  int64_t occupied_bricks;
+} chi_classification;
+
+chi_status chi_classify(const chi_exec* exec, chi_classification* out, const chi_bricks* bricks,
+  const chi_transfer_view* transfer, int dilate);
+void chi_classification_free(const chi_exec* exec, chi_classification* classification);
+
+/* Bricks that are occupied within [low, high] of index space. */
+int64_t chi_classification_count(const chi_classification* c, const chi_bricks* bricks,
+  const double low[3], const double high[3], int64_t* all);
+
+/* Stage 3: where slices, slabs and light pixels lie. Everything that both engines must agree on. */
+typedef struct chi_scene
+{
+  int32_t width, height, scale, light_width, light_height;
+  int parallel;
+  /* index position of (pixel x, pixel y, depth z): origin + z axis + (parallel ? 1 : z)(x X + y Y)
+   */
+  double origin[3], axis[3], along_x[3], along_y[3];
+  double box_low[3], box_high[3];              /* of the volume, index units */
+  double slope_x, slope_dx, slope_y, slope_dy; /* of the pixel's ray: slope_x + x slope_dx */
+  double pixels_x, pixels_y; /* light pixels a unit of slope (perspective) or length (parallel) */
+  double start, slice, slab; /* depth of slice 0; world distance between slices, light planes */
+  double voxel;              /* depth over which the index position moves by one */
+  int64_t group, slabs;
+  int64_t volume_begin, volume_end; /* slabs with samples */
+  double bias;                      /* in slabs */
+  int directions;
+  float tangent[2][CHI_MAX_DIRECTIONS]; /* slopes of the cone's directions */
+  float mean_length;
+  int published;
+} chi_scene;
+
+chi_status chi_scene_build(
+  chi_scene* scene, const chi_occlusion_frame* frame, double surface_near, double surface_far);
+
+/* Light pixels by which a unit slope shifts between the depths from < to. */
+double chi_scene_shift(const chi_scene* scene, double from, double to);
+
+static inline double chi_scene_depth(const chi_scene* scene, double slabs)
+{
+  return scene->start + slabs * scene->slab;
+}
+
+/* Stage 4: geometry as blocker: the slabs that a pixel's surface closes. */
+chi_status chi_surface_intervals(const chi_exec* exec, const chi_scene* scene,
+  const chi_surface_view* surface, double thickness, size_t stride, float* slice_depth,
+  float* begin, float* end);
+
+/* Light that travels for one kind of receiver. */
+typedef struct chi_light_field
+{
+  int volume, geometry;  /* what blocks it */
+  chi_buffer light[2];   /* [directions][rows][stride], padded with light from outside: 1 */
+  chi_buffer visibility; /* [ring][rows][stride] */
+  chi_buffer dirty;      /* uint8 [2 + ring][rows][segments]: differs from 1 */
+} chi_light_field;
+
+typedef struct chi_march_result
+{
+  int64_t samples, skipped_samples, light_updates, skipped_light_updates;
+  double seconds_visible_set, seconds_slices, seconds_samples, seconds_light;
+} chi_march_result;
+
+/* Buffers of the march, kept between frames. */
+typedef struct chi_march
+{
+  chi_buffer planes; /* float, picture-sized state; see chi_occlusion_march.c */
+  chi_buffer cells, last_slab, live, live_row, sampled, done, order, reach, steps, ranges, scratch;
+  chi_light_field field[2];
+} chi_march;
+
+chi_status chi_march_run(const chi_exec* exec, chi_march* march, const chi_scene* scene,
+  const chi_bricks* bricks, const chi_classification* classification,
+  const chi_occlusion_frame* frame, float* rgba, float* visibility, chi_march_result* result);
+void chi_march_free(const chi_exec* exec, chi_march* march);
+
+double chi_seconds(void);
+
+#endif

@@ -1,0 +1,179 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "chi_occlusion_internal.h"
+#include "math/chi_mat4.h"
+
+#include <math.h>
+
+static const double golden_angle = 2.39996322972865332; /* pi (3 - sqrt 5) */
+
+/* Directions of equal solid angle in the cone, on the golden spiral; theory/occlusion.md, Eq. 2. */
+static void place_directions(chi_scene* scene, int count, double angle)
+{
+  double sum = 0;
+  scene->directions = count;
+  for (int m = 0; m < count; ++m)
+  {
+    const double mu = 1 - (1 - cos(angle)) * (m + 0.5) / count;
+    const double slope = sqrt(1 - mu * mu) / mu;
+    scene->tangent[0][m] = (float)(slope * cos(m * golden_angle));
+    scene->tangent[1][m] = (float)(slope * sin(m * golden_angle));
+    sum += 1 / mu;
+  }
+  scene->mean_length = (float)(sum / count);
+}
+
+/* Taps of the published rule: a uniform disc of radius d tan(theta), slopes a unit depth. */
+static void place_taps(chi_scene* scene, int count, double angle)
+{
+  scene->directions = count;
+  for (int m = 0; m < count; ++m)
+  {
+    const double slope = tan(angle) * sqrt((m + 0.5) / count);
+    scene->tangent[0][m] = (float)(slope * cos((m + 0.5) * golden_angle));
+    scene->tangent[1][m] = (float)(slope * sin((m + 0.5) * golden_angle));
+  }
+  scene->mean_length = 1;
+}
+
+double chi_scene_shift(const chi_scene* scene, double from, double to)
+{
+  /* A ray of constant slope against the pixel's own moves by f s dz / z in perspective. */
+  return scene->parallel ? to - from : log(to / from);
+}
+
+static void place_pixels(chi_scene* scene, const chi_camera* camera, const double eye_to_index[16])
+{
+  const double dx = (camera->window[1] - camera->window[0]) / camera->width;
+  const double dy = (camera->window[3] - camera->window[2]) / camera->height;
+  const double left = camera->window[0] + 0.5 * dx, bottom = camera->window[2] + 0.5 * dy;
+  for (int a = 0; a < 3; ++a)
+  {
+    const double* const row = eye_to_index + 4 * a;
+    scene->along_x[a] = row[0] * dx;
+    scene->along_y[a] = row[1] * dy;
+    const double corner = row[0] * left + row[1] * bottom;
+    scene->origin[a] = row[3] + (scene->parallel ? corner : 0);
+    scene->axis[a] = -row[2] + (scene->parallel ? 0 : corner);
+  }
+  scene->slope_x = scene->parallel ? 0 : left;
+  scene->slope_dx = scene->parallel ? 0 : dx;
+  scene->slope_y = scene->parallel ? 0 : bottom;
+  scene->slope_dy = scene->parallel ? 0 : dy;
+  scene->pixels_x = 1 / (dx * scene->scale);
+  scene->pixels_y = 1 / (dy * scene->scale);
+}
+
+chi_status chi_scene_build(
+  chi_scene* scene, const chi_occlusion_frame* frame, double surface_near, double surface_far)
+{
+  const chi_camera* const camera = frame->camera;
+  const chi_occlusion_params* const params = frame->params;
+  scene->width = camera->width;
+  scene->height = camera->height;
+  scene->scale = params->half_size ? 2 : 1;
+  scene->light_width = (camera->width - 1) / scene->scale + 1;
+  scene->light_height = (camera->height - 1) / scene->scale + 1;
+  scene->parallel = camera->parallel != 0;
+  scene->published = params->method == CHI_OCCLUSION_PUBLISHED;
+  if (scene->published)
+  {
+    place_taps(scene, params->directions, params->cone_angle_rad);
+  }
+  else
+  {
+    place_directions(scene, params->directions, params->cone_angle_rad);
+  }
+
+  double eye_to_index[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
+  double near = INFINITY, far = -INFINITY;
+  if (frame->volume)
+  {
+    double index_to_eye[16];
+    chi_mat4_multiply(camera->world_to_eye, frame->volume->index_to_world, index_to_eye);
+    if (!chi_mat4_invert_affine(index_to_eye, eye_to_index))
+    {
+      return CHI_ERROR_INVALID_ARGUMENT;
+    }
+    const double margin = frame->volume->is_cell_data ? 0.5 : 0;
+    for (int a = 0; a < 3; ++a)
+    {
+      scene->box_low[a] = -margin;
+      scene->box_high[a] = (double)(frame->volume->dimensions[a] - 1) + margin;
+    }
+    for (int corner = 0; corner < 8; ++corner)
+    {
+      double depth = -index_to_eye[11];
+      for (int a = 0; a < 3; ++a)
+      {
+        depth -= index_to_eye[8 + a] * (corner >> a & 1 ? scene->box_high[a] : scene->box_low[a]);
+      }
+      near = depth < near ? depth : near;
+      far = depth > far ? depth : far;
+    }
+  }
+  place_pixels(scene, camera, eye_to_index);
+
+  /* One voxel: the depth over which the index position moves by one. */
+  const double z[3] = { eye_to_index[2], eye_to_index[6], eye_to_index[10] };
+  scene->voxel = 1 / sqrt(z[0] * z[0] + z[1] * z[1] + z[2] * z[2]);
+  if (!frame->volume)
+  {
+    if (!(surface_near < INFINITY))
+    {
+      scene->slabs = scene->volume_begin = scene->volume_end = 0;
+      scene->slice = scene->slab = 1;
+      scene->group = 1;
+      return CHI_OK;
+    }
+    /* Without a volume the picture sets the scale: one light pixel at the nearest surface. */
+    scene->voxel = (scene->parallel ? 1 : surface_near) / scene->pixels_x;
+  }
+  scene->slice = params->sample_distance > 0 ? params->sample_distance : scene->voxel;
+  const double ratio = scene->voxel / scene->slice * (1 + 1e-9);
+  if (!(ratio < 0x1p24))
+  {
+    return CHI_ERROR_TOO_LARGE;
+  }
+  scene->group = ratio >= 2 ? (int64_t)ratio : 1;
+  scene->slab = scene->slice * (double)scene->group;
+
+  const double nearest = camera->near_depth;
+  near = near > nearest ? near : nearest;
+  const int has_samples = near < far;
+  if (!has_samples)
+  {
+    near = far = surface_near;
+  }
+  /* Light slabs without samples reach out to the geometry, by no more than the volume's own depth
+   * (or 1024 slabs): beyond, geometry in front blocks at the first slab, geometry behind reads each
+   * direction at its remaining offset. */
+  const double extent =
+    has_samples && far - near < 1024 * scene->slab ? far - near : 1024 * scene->slab;
+  double front = 0, back = 0;
+  if (surface_near < INFINITY)
+  {
+    front = near - surface_near;
+    front = front < 0 ? 0 : front < extent ? front : extent;
+    back = surface_far - far;
+    back = back < 0 ? 0 : back < extent ? back : extent;
+  }
+  const double volume_slabs = ceil((far - near) / scene->slab * (1 - 1e-9));
+  double front_slabs = front > 0 ? ceil(front / scene->slab) : 0;
+  if (near - front_slabs * scene->slab < nearest)
+  {
+    front_slabs = floor((near - nearest) / scene->slab);
+  }
+  const double back_slabs = back > 0 ? ceil(back / scene->slab) : 0;
+  const double total = volume_slabs + front_slabs + back_slabs;
+  if (!(total * (double)scene->group < 0x1p24))
+  {
+    return CHI_ERROR_TOO_LARGE;
+  }
+  scene->start = near - front_slabs * scene->slab;
+  scene->slabs = (int64_t)total;
+  scene->volume_begin = (int64_t)front_slabs;
+  scene->volume_end = (int64_t)(front_slabs + volume_slabs);
+  scene->bias = (params->bias < 0 ? 1.5 * scene->voxel : params->bias) / scene->slab;
+  return CHI_OK;
+}

@@ -1,0 +1,107 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "chi_occlusion_internal.h"
+
+#include <math.h>
+
+typedef struct interval_job
+{
+  const chi_exec* exec;
+  const chi_scene* scene;
+  const chi_surface_view* surface;
+  double thickness; /* slabs */
+  size_t stride;
+  float* slice_depth;
+  float* begin;
+  float* end;
+} interval_job;
+
+/* Depth of a pixel in slabs; INFINITY without surface or outside the picture. */
+static double depth_at(const interval_job* it, int64_t x, int64_t y)
+{
+  const chi_scene* const s = it->scene;
+  if (x < 0 || y < 0 || x >= s->width || y >= s->height)
+  {
+    return INFINITY;
+  }
+  const double depth = (double)it->surface->depth[x + (int64_t)s->width * y];
+  return depth > 0 && depth < INFINITY ? (depth - s->start) / s->slab : INFINITY;
+}
+
+/*
+ * Whether a step of depth between neighbours a, b belongs to one surface: the step before a, or the
+ * one after b, foresees it to within half of itself (and a slab, below which no light passes
+ * anyway).
+ */
+static int is_continuous(double before, double a, double b, double after)
+{
+  const double step = b - a;
+  if (fabs(step) <= 1)
+  {
+    return 1;
+  }
+  return fabs(step - (a - before)) <= 0.5 * fabs(step) + 1 ||
+    fabs(step - (after - b)) <= 0.5 * fabs(step) + 1;
+}
+
+/* Deepest and nearest depth of the surface on the way to the four neighbours. */
+static void widen(const interval_job* it, int64_t x, int64_t y, double depth, double range[2])
+{
+  static const int step[4][2] = { { 1, 0 }, { -1, 0 }, { 0, 1 }, { 0, -1 } };
+  for (int k = 0; k < 4; ++k)
+  {
+    const int dx = step[k][0], dy = step[k][1];
+    const double next = depth_at(it, x + dx, y + dy);
+    if (next < INFINITY &&
+      is_continuous(
+        depth_at(it, x - dx, y - dy), depth, next, depth_at(it, x + 2 * dx, y + 2 * dy)))
+    {
+      const int share_light_pixel = (x + dx) / 2 == x / 2 && (y + dy) / 2 == y / 2 && x + dx >= 0;
+      range[0] = share_light_pixel && next < range[0] ? next : range[0];
+      range[1] = next > range[1] ? next : range[1];
+    }
+  }
+}
+
+static void row_intervals(void* data, size_t first, size_t last)
+{
+  const interval_job* const it = (const interval_job*)data;
+  const chi_scene* const s = it->scene;
+  for (size_t y = first; y < last && !chi_is_cancelled(it->exec); ++y)
+  {
+    for (int64_t x = 0; x < s->width; ++x)
+    {
+      const size_t at = y * it->stride + (size_t)x;
+      const double depth = depth_at(it, x, (int64_t)y);
+      it->slice_depth[at] = (float)(depth * (double)s->group);
+      it->begin[at] = it->end[at] = INFINITY;
+      if (depth < INFINITY)
+      {
+        /* Two pixels of one steep surface lie slabs apart: each closes the way to the deeper one,
+         * and, where they share a light pixel, from the nearer one, so that their mean closes all
+         * of it. */
+        double range[2] = { depth, depth };
+        widen(it, x, (int64_t)y, depth, range);
+        double begin = s->scale > 1 ? range[0] : depth;
+        double end = range[1] + it->thickness;
+        begin = begin > 0 ? begin : 0;
+        it->begin[at] = (float)begin;
+        it->end[at] = (float)(end > begin ? end : begin);
+      }
+    }
+    for (size_t x = (size_t)s->width; x < it->stride; ++x)
+    {
+      it->slice_depth[y * it->stride + x] = INFINITY;
+      it->begin[y * it->stride + x] = it->end[y * it->stride + x] = INFINITY;
+    }
+  }
+}
+
+chi_status chi_surface_intervals(const chi_exec* exec, const chi_scene* scene,
+  const chi_surface_view* surface, double thickness, size_t stride, float* slice_depth,
+  float* begin, float* end)
+{
+  interval_job job = { exec, scene, surface, thickness / scene->slab, stride, slice_depth, begin,
+    end };
+  return chi_for(exec, (size_t)scene->height, row_intervals, &job);
+}

@@ -1,0 +1,218 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "chi_occlusion_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* theory/occlusion.md, Eq. 1. The clamp keeps an opaque sample finite: one unit distance leaves
+ * 2^-24, the last bit of a float. */
+static double extinction(double opacity, double unit_distance)
+{
+  const double clear = 1 - 0x1p-24;
+  const double alpha = opacity > 0 ? (opacity < clear ? opacity : clear) : 0; /* NaN: transparent */
+  return -log1p(-alpha) / unit_distance;
+}
+
+static float unit(float x)
+{
+  return x > 0 ? (x < 1 ? x : 1) : 0;
+}
+
+static void fill_tables(chi_classification* out, const chi_transfer_view* transfer)
+{
+  chi_sigma_entry* const sigma = (chi_sigma_entry*)out->sigma.data;
+  float(*const rgba)[4] = (float(*)[4])out->rgba.data;
+  uint32_t* const before = (uint32_t*)out->visible_before.data;
+  const size_t n = out->entries;
+  double total = 0;
+  uint32_t visible = 0;
+  for (size_t i = 0; i < n; ++i)
+  {
+    const double here = extinction(transfer->opacity[i], transfer->unit_distance);
+    const double next =
+      i + 1 < n ? extinction(transfer->opacity[i + 1], transfer->unit_distance) : here;
+    sigma[i].sigma = (float)here;
+    sigma[i].half_slope = (float)(0.5 * (next - here));
+    sigma[i].pad = 0;
+    total += 0.5 * (here + next);
+    before[i] = visible;
+    visible += here > 0;
+    for (int c = 0; c < 3; ++c)
+    {
+      rgba[i][c] = unit(transfer->rgb[3 * i + (size_t)c]);
+    }
+    rgba[i][3] = 1;
+  }
+  before[n] = visible;
+  /* Sums in fixed point, so that their differences lose nothing to cancellation. */
+  const double quantum = total > 0 ? total / 2147483000.0 : 1;
+  double sum = 0;
+  for (size_t i = 0; i < n; ++i)
+  {
+    sigma[i].sum = (int32_t)(sum / quantum + 0.5);
+    const double here = extinction(transfer->opacity[i], transfer->unit_distance);
+    const double next =
+      i + 1 < n ? extinction(transfer->opacity[i + 1], transfer->unit_distance) : here;
+    sum += 0.5 * (here + next);
+  }
+  out->quantum = (float)quantum;
+}
+
+/* Whether any scalar of a brick's range is visible. */
+static int range_is_visible(const chi_classification* c, const float range[2])
+{
+  const uint32_t* const before = (const uint32_t*)c->visible_before.data;
+  if (!(range[0] <= range[1]))
+  {
+    return 0;
+  }
+  const double end = (double)(c->entries - 1);
+  double low = ((double)range[0] - c->base) * c->scale + c->offset;
+  double high = ((double)range[1] - c->base) * c->scale + c->offset;
+  low = floor(low < 0 ? 0 : low > end ? end : low);
+  high = ceil(high < 0 ? 0 : high > end ? end : high);
+  /* One entry more on both sides: the kernels round positions to float. */
+  const size_t first = low > 0 ? (size_t)low - 1 : 0;
+  const size_t last = high < end ? (size_t)high + 1 : (size_t)end;
+  return before[last + 1] > before[first];
+}
+
+typedef struct classify_job
+{
+  const chi_exec* exec;
+  chi_classification* out;
+  const chi_bricks* bricks;
+  int dilate;
+} classify_job;
+
+static int brick_is_occupied(const classify_job* it, size_t i, size_t j, size_t k)
+{
+  const chi_bricks* const b = it->bricks;
+  const float(*const range)[2] = (const float(*)[2])b->range.data;
+  const size_t reach = (size_t)it->dilate;
+  const size_t low[3] = { i > reach ? i - reach : 0, j > reach ? j - reach : 0,
+    k > reach ? k - reach : 0 };
+  const size_t at[3] = { i, j, k };
+  size_t high[3];
+  for (int a = 0; a < 3; ++a)
+  {
+    high[a] = at[a] + reach < b->count[a] ? at[a] + reach : b->count[a] - 1;
+  }
+  for (size_t z = low[2]; z <= high[2]; ++z)
+  {
+    for (size_t y = low[1]; y <= high[1]; ++y)
+    {
+      for (size_t x = low[0]; x <= high[0]; ++x)
+      {
+        if (range_is_visible(it->out, range[x + b->count[0] * (y + b->count[1] * z)]))
+        {
+          return 1;
+        }
+      }
+    }
+  }
+  return 0;
+}
+
+static void classify_rows(void* data, size_t begin, size_t end)
+{
+  const classify_job* const it = (const classify_job*)data;
+  const chi_bricks* const b = it->bricks;
+  uint8_t* const occupied = (uint8_t*)it->out->occupied.data;
+  for (size_t row = begin; row < end && !chi_is_cancelled(it->exec); ++row)
+  {
+    for (size_t i = 0; i < b->count[0]; ++i)
+    {
+      occupied[row * b->count[0] + i] =
+        (uint8_t)brick_is_occupied(it, i, row % b->count[1], row / b->count[1]);
+    }
+  }
+}
+
+static void sum_volume(chi_classification* out, const chi_bricks* b)
+{
+  const size_t nx = b->count[0] + 1, ny = b->count[1] + 1, nz = b->count[2] + 1;
+  int32_t* const sums = (int32_t*)out->sums.data;
+  const uint8_t* occupied = (const uint8_t*)out->occupied.data;
+  memset(sums, 0, nx * ny * nz * sizeof *sums);
+  for (size_t k = 1; k < nz; ++k)
+  {
+    for (size_t j = 1; j < ny; ++j)
+    {
+      int32_t* const row = sums + nx * (j + ny * k);
+      int32_t along = 0;
+      for (size_t i = 1; i < nx; ++i)
+      {
+        along += *occupied++;
+        row[i] = along + row[i - nx] + row[i - nx * ny] - row[i - nx - nx * ny];
+      }
+    }
+  }
+  out->occupied_bricks = sums[nx * ny * nz - 1];
+}
+
+chi_status chi_classify(const chi_exec* exec, chi_classification* out, const chi_bricks* bricks,
+  const chi_transfer_view* transfer, int dilate)
+{
+  const size_t n = transfer->count;
+  const size_t count = bricks->count[0] * bricks->count[1] * bricks->count[2];
+  const size_t corners = (bricks->count[0] + 1) * (bricks->count[1] + 1) * (bricks->count[2] + 1);
+  if (!chi_buffer_reserve(exec, &out->sigma, n, sizeof(chi_sigma_entry)) ||
+    !chi_buffer_reserve(exec, &out->rgba, n + 1, 4 * sizeof(float)) ||
+    !chi_buffer_reserve(exec, &out->visible_before, n + 1, sizeof(uint32_t)) ||
+    !chi_buffer_reserve(exec, &out->occupied, count + 4, 1) ||
+    !chi_buffer_reserve(exec, &out->sums, corners, sizeof(int32_t)))
+  {
+    return CHI_ERROR_OUT_OF_MEMORY;
+  }
+  out->entries = n;
+  /* scalar -> table position, through the copy's own scale where there is a copy */
+  const double entries_per_scalar = (double)(n - 1) / (transfer->range[1] - transfer->range[0]);
+  const double scale = entries_per_scalar / bricks->copy_scale;
+  const double first = (transfer->range[0] - bricks->copy_offset) * bricks->copy_scale;
+  out->base = (float)first; /* subtracted before scaling: scalars far from zero lose nothing more */
+  out->scale = (float)scale;
+  out->offset = (float)(((double)out->base - first) * scale);
+  fill_tables(out, transfer);
+  memset((uint8_t*)out->occupied.data + count, 0, 4);
+  classify_job job = { exec, out, bricks, dilate };
+  const chi_status status = chi_for(exec, bricks->count[1] * bricks->count[2], classify_rows, &job);
+  if (status == CHI_OK)
+  {
+    sum_volume(out, bricks);
+  }
+  return status;
+}
+
+int64_t chi_classification_count(const chi_classification* c, const chi_bricks* bricks,
+  const double low[3], const double high[3], int64_t* all)
+{
+  size_t a[3], b[3];
+  for (int k = 0; k < 3; ++k)
+  {
+    const double last = (double)(bricks->dimensions[k] - 1);
+    /* A hundredth of a voxel more on both sides: the kernels' positions are floats. */
+    const double l = low[k] - 0.01, h = high[k] + 0.01;
+    a[k] = (size_t)(l < 0 ? 0 : l > last ? last : l) >> 3;
+    b[k] = ((size_t)(h < 0 ? 0 : h > last ? last : h) >> 3) + 1;
+  }
+  const size_t nx = bricks->count[0] + 1, ny = bricks->count[1] + 1;
+  const int32_t* const s = (const int32_t*)c->sums.data;
+#define CHI_AT(i, j, k) ((int64_t)s[(i) + nx * ((j) + ny * (k))])
+  const int64_t sum = CHI_AT(b[0], b[1], b[2]) - CHI_AT(a[0], b[1], b[2]) -
+    CHI_AT(b[0], a[1], b[2]) - CHI_AT(b[0], b[1], a[2]) + CHI_AT(a[0], a[1], b[2]) +
+    CHI_AT(a[0], b[1], a[2]) + CHI_AT(b[0], a[1], a[2]) - CHI_AT(a[0], a[1], a[2]);
+#undef CHI_AT
+  *all = (int64_t)((b[0] - a[0]) * (b[1] - a[1]) * (b[2] - a[2]));
+  return sum;
+}
+
+void chi_classification_free(const chi_exec* exec, chi_classification* c)
+{
+  chi_buffer_free(exec, &c->sigma);
+  chi_buffer_free(exec, &c->rgba);
+  chi_buffer_free(exec, &c->visible_before);
+  chi_buffer_free(exec, &c->occupied);
+  chi_buffer_free(exec, &c->sums);
+}

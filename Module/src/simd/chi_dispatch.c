@@ -1,0 +1,27 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "chi_occlusion_kernels.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+const chi_occlusion_kernels* chi_kernels(void)
+{
+#if defined(__x86_64__) && defined(__GNUC__)
+  const char* const wish = getenv("CHIAROSCURO_ISA");
+  const int generic = wish && strcmp(wish, "generic") == 0;
+  const int avx2 = wish && strcmp(wish, "avx2") == 0;
+  __builtin_cpu_init();
+  if (!generic && !avx2 && __builtin_cpu_supports("avx512f") &&
+    __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
+    __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512cd"))
+  {
+    return &chi_kernels_avx512;
+  }
+  if (!generic && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+  {
+    return &chi_kernels_avx2;
+  }
+#endif
+  return &chi_kernels_generic;
+}

@@ -1,0 +1,128 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#ifndef CHI_OCCLUSION_KERNELS_H
+#define CHI_OCCLUSION_KERNELS_H
+
+/* The inner loops of the occlusion renderer, once per instruction set; chosen at load. */
+
+#include <stddef.h>
+#include <stdint.h>
+
+enum
+{
+  CHI_MAX_DIRECTIONS = 64,
+  CHI_CELL_WIDTH = 32, /* pixels of the picture: granularity of empty-space tests */
+  CHI_CELL_HEIGHT = 8,
+  CHI_SEGMENT = 32 /* light buffer pixels: granularity of light skipping; a multiple of all lanes */
+};
+
+/* How samples lie in memory, for the kernels. */
+enum
+{
+  CHI_FETCH_U8 = 0,
+  CHI_FETCH_I16 = 1,
+  CHI_FETCH_U16 = 2,
+  CHI_FETCH_F32 = 3
+};
+
+/* One entry of the classification, sixteen bytes, so that a lookup touches one cache line.
+ * Between entries extinction is linear: sigma(i + f) = sigma + 2 * half_slope * f, and the integral
+ * from 0 to i + f is quantum * sum + f * (sigma + f * half_slope). */
+typedef struct chi_sigma_entry
+{
+  int32_t sum; /* fixed point: differences of sums are exact, however far apart */
+  float sigma;
+  float half_slope;
+  float pad;
+} chi_sigma_entry;
+
+/* What all rows of a frame share when they sample. */
+typedef struct chi_sample_frame
+{
+  const void* scalars;
+  int fetch, nearest;
+  int32_t step_y, step_z;    /* samples; 0 along an axis of one sample */
+  int32_t step_x;            /* 1, or 0 along an axis of one sample */
+  int32_t last_load;         /* largest byte offset of a four-byte load / sample size scale */
+  int32_t last_cell[3];      /* dimensions - 2, at least 0 */
+  float last_index[3];       /* dimensions - 1 */
+  float low[3], high[3];     /* the volume's box, index units */
+  float base, scale, offset; /* table position = (scalar - base) * scale + offset */
+  float table_end;           /* count - 1 */
+  const chi_sigma_entry* sigma;
+  const float (*rgba)[4];
+  float quantum;
+  const uint8_t* occupied; /* bricks of 8^3 cells, padded by four bytes */
+  int32_t brick_step_y, brick_step_z;
+  float slice;     /* world distance between slices */
+  float saturated; /* transmittance below which a ray is done */
+} chi_sample_frame;
+
+/* One row of pixels over one segment between two slices. */
+typedef struct chi_sample_row
+{
+  const chi_sample_frame* frame;
+  float position[3], position_x[3]; /* index position at the far slice: position + x * position_x */
+  float direction[3], direction_x[3]; /* its change a slice */
+  float length0, length_x, length_c;  /* |ray| = sqrt(c + (length0 + x length_x)^2) */
+  float* color[3];
+  float* transmittance;
+  float* table_position; /* state at the near slice; NaN: not sampled */
+  int32_t* sum;
+  float* rest;
+  float* tau;         /* += optical thickness along the view axis, for the light */
+  const float* enter; /* slice units; NULL: the whole run lies inside the box */
+  const float* leave;
+  const float* surface;    /* slice units; NULL: no surface in front of the far slice */
+  const float* visibility; /* NULL: 1 */
+  float near_slice;        /* slice coordinate of the segment's start */
+  int first;               /* non-zero: nothing was sampled before by definition */
+  int bricks;              /* non-zero: test bricks */
+  int restart;             /* non-zero: the state at the near slice is not valid */
+  int saturated_too;       /* non-zero: sample saturated rays as well, their light is needed */
+  /* results, accumulated */
+  int64_t taken, skipped;
+  int any_tau;
+} chi_sample_row;
+
+/* One segment of CHI_SEGMENT light pixels of one row, all directions. */
+typedef struct chi_light_segment
+{
+  const float* source;      /* direction 0, this row and column, read side */
+  float* target;            /* the same, write side */
+  size_t plane;             /* floats from one direction to the next, both sides */
+  const ptrdiff_t* offset;  /* [directions] first tap */
+  const float (*weight)[4]; /* [directions] of the taps at 0, 1, stride, stride + 1 */
+  size_t stride;
+  int directions;
+  const float* tau;      /* NULL: none */
+  const float* length;   /* [directions] path length a unit depth at the segment's first pixel */
+  const float* length_x; /* its change a pixel */
+  const float* geometry; /* transmittance of the geometry in this slab; NULL: 1 */
+  float* visibility;
+} chi_light_segment;
+
+typedef struct chi_occlusion_kernels
+{
+  const char* name;
+  int lanes;
+  void (*sample)(chi_sample_row* row, int x_begin, int x_end);
+  void (*light)(const chi_light_segment* segment);
+  void (*blur)(const chi_light_segment* segment);
+  void (*halve)(const float* tau0, const float* tau1, float length, float* out, int count);
+  void (*path_lengths)(const float* slope_x, const float* slope_y, int directions, float px,
+    float py, float px_step, int count, float* length, float* length_x);
+  void (*enlarge)(const float* const rows[4], const float weight[4], float base, int scale,
+    int begin, int end, float* out);
+} chi_occlusion_kernels;
+
+extern const chi_occlusion_kernels chi_kernels_generic;
+#if defined(__x86_64__) && defined(__GNUC__)
+extern const chi_occlusion_kernels chi_kernels_avx2;
+extern const chi_occlusion_kernels chi_kernels_avx512;
+#endif
+
+/* The widest set that this processor runs; CHIAROSCURO_ISA=generic|avx2|avx512 asks for less. */
+const chi_occlusion_kernels* chi_kernels(void);
+
+#endif
