@@ -90,7 +90,9 @@ typedef struct march
   float* planes;  /* [PICTURE_PLANES][rows][stride] */
   float* scratch; /* [LIGHT_PLANES][light rows][light_stride] */
   size_t stride, rows, plane;
-  size_t light_stride, light_plane, light_origin; /* origin: pixel (0, 0) in a padded plane */
+  /* Light: [rows][directions][light_stride], so that a row of all directions is contiguous (pages,
+   * cache sets); visibility: [ring][rows][light_stride]. Origins: pixel (0, 0) within the padding. */
+  size_t light_stride, light_row, light_plane, light_origin, visibility_origin;
   int64_t ring;
   int skew, block, bands;
   int64_t blocks;
@@ -130,7 +132,7 @@ double chi_seconds(void)
 
 static float* picture(const march* m, int which, int64_t y)
 {
-  return m->planes + (size_t)which * m->plane + (size_t)y * m->stride;
+  return m->planes + ((size_t)y * PICTURE_PLANES + (size_t)which) * m->stride;
 }
 
 static float* light_scratch(const march* m, int which, int64_t y)
@@ -139,9 +141,9 @@ static float* light_scratch(const march* m, int which, int64_t y)
     ((size_t)which * (size_t)m->scene->light_height + (size_t)y) * m->light_stride;
 }
 
-static float* light_row(const march* m, const chi_light_field* f, int64_t side, int64_t y)
+static float* row_of_light(const march* m, const chi_light_field* f, int64_t side, int64_t y)
 {
-  return (float*)f->light[side].data + m->light_origin + (size_t)y * m->light_stride;
+  return (float*)f->light[side].data + m->light_origin + (size_t)y * m->light_row;
 }
 
 static int64_t ring_slot(const march* m, int64_t slab)
@@ -152,7 +154,7 @@ static int64_t ring_slot(const march* m, int64_t slab)
 static float* visibility_row(const march* m, const chi_light_field* f, int64_t slab, int64_t y)
 {
   return (float*)f->visibility.data + (size_t)ring_slot(m, slab) * m->light_plane +
-    m->light_origin + (size_t)y * m->light_stride;
+    m->visibility_origin + (size_t)y * m->light_stride;
 }
 
 /* Flags of a row: sides 0 and 1 of the light, then the ring of visibility planes. */
@@ -440,9 +442,9 @@ static double beyond_last_plane(
     }
     const int64_t i = (int64_t)floor(px), j = (int64_t)floor(py);
     const double u = px - (double)i, v = py - (double)j;
-    const float* const a = light_row(m, f, s->slabs & 1, j) + i +
-      (s->published ? 0 : (ptrdiff_t)k * (ptrdiff_t)m->light_plane);
-    const float* const b = a + m->light_stride;
+    const float* const a = row_of_light(m, f, s->slabs & 1, j) + i +
+      (s->published ? 0 : (ptrdiff_t)k * (ptrdiff_t)m->light_stride);
+    const float* const b = a + m->light_row;
     sum += (1 - v) * ((1 - u) * (double)a[0] + u * (double)a[1]) +
       v * ((1 - u) * (double)b[0] + u * (double)b[1]);
   }
@@ -727,78 +729,102 @@ typedef struct light_counts
   int64_t updates, skipped;
 } light_counts;
 
-static void light_one_row(
-  march* m, chi_light_field* f, int64_t slab, int64_t y, const uint8_t* need, light_counts* counts)
+static void light_piece(march* m, chi_light_field* f, int64_t slab, int64_t y, int k, int needed,
+  light_counts* counts)
 {
   const chi_scene* const s = m->scene;
   const int64_t read = slab & 1, write = read ^ 1;
-  uint8_t* const target_dirty = dirty_row(m, f, write, y);
-  uint8_t* const seen_dirty = dirty_row(m, f, 2 + ring_slot(m, slab), y);
-  const uint8_t* const tau_flag = m->tau_flag + y * m->segments;
+  const int x = k * CHI_SEGMENT;
+  uint8_t* const target_dirty = dirty_row(m, f, write, y) + k;
+  uint8_t* const seen_dirty = dirty_row(m, f, 2 + ring_slot(m, slab), y) + k;
   const int planes = s->published ? 1 : s->directions;
   const int64_t cost = (int64_t)s->directions * CHI_SEGMENT;
-  float* const target = light_row(m, f, write, y);
-  float* const seen = visibility_row(m, f, slab, y);
-  float* const tau = s->scale == 1 ? picture(m, TAU, y) : light_scratch(m, LIGHT_TAU, y);
-  float* const geometry = light_scratch(m, GEOMETRY, y);
+  float* const target = row_of_light(m, f, write, y) + x;
+  float* const seen = visibility_row(m, f, slab, y) + x;
+  float* const geometry = light_scratch(m, GEOMETRY, y) + x;
+  if (!needed)
+  {
+    counts->skipped += cost;
+    *target_dirty = *seen_dirty = 1; /* unknown, and nobody asks */
+    return;
+  }
+  const int has_tau = f->volume && m->tau_flag[y * m->segments + k];
+  const int blocked = f->geometry && block_light(m, slab, y, k, geometry);
+  if (!m->keep_all && !has_tau && !blocked && !source_is_dirty(m, f, read, y, k))
+  {
+    counts->skipped += cost;
+    for (int d = 0; d < planes && *target_dirty; ++d)
+    {
+      fill_ones(target + (size_t)d * m->light_stride, CHI_SEGMENT);
+    }
+    *target_dirty = 0;
+    if (*seen_dirty)
+    {
+      fill_ones(seen - (k == 0), CHI_SEGMENT + (k == 0));
+      *seen_dirty = 0;
+    }
+    return;
+  }
   float length[CHI_MAX_DIRECTIONS], length_x[CHI_MAX_DIRECTIONS];
-  int lengths_known = 0;
+  if (has_tau)
+  {
+    static const float none[CHI_MAX_DIRECTIONS] = { 0 };
+    const double center = (x + 0.5) * s->scale - 0.5, row = ((double)y + 0.5) * s->scale - 0.5;
+    m->kernels->path_lengths(s->published ? none : s->tangent[0],
+      s->published ? none : s->tangent[1], planes, (float)(s->slope_x + center * s->slope_dx),
+      (float)(s->slope_y + row * s->slope_dy), (float)(s->slope_dx * s->scale), CHI_SEGMENT, length,
+      length_x);
+  }
+  const float* const tau = s->scale == 1 ? picture(m, TAU, y) : light_scratch(m, LIGHT_TAU, y);
+  const chi_light_segment segment = { .source = row_of_light(m, f, read, y) + x,
+    .target = target,
+    .plane = m->light_stride,
+    .offset = m->steps[slab].offset,
+    .weight = (const float(*)[4])m->steps[slab].weight,
+    .stride = m->light_row,
+    .directions = s->directions,
+    .tau = has_tau ? tau + x : NULL,
+    .length = length,
+    .length_x = length_x,
+    .geometry = blocked ? geometry : NULL,
+    .visibility = seen };
+  (s->published ? m->kernels->blur : m->kernels->light)(&segment);
+  if (k == 0)
+  {
+    seen[-1] = seen[0]; /* the enlargement reads one pixel beyond the picture */
+  }
+  *target_dirty = *seen_dirty = 1;
+  counts->updates += cost;
+}
+
+/* One slab's light for a band of rows; piece by piece, so that the rows of a piece, which share most of
+ * what they read, follow each other while it is in the nearest cache. */
+static void light_band(march* m, int64_t slab, const int64_t rows[2], const uint8_t* need, light_counts* counts)
+{
   for (int k = 0; k < m->segments; ++k)
   {
     const int x = k * CHI_SEGMENT;
-    if (!need[k])
+    for (int64_t y = rows[0]; y < rows[1] && m->scene->scale == 2; ++y)
     {
-      counts->skipped += cost;
-      target_dirty[k] = seen_dirty[k] = 1; /* unknown, and nobody asks */
-      continue;
-    }
-    const int has_tau = f->volume && tau_flag[k];
-    const int blocked = f->geometry && block_light(m, slab, y, k, geometry + x);
-    if (!m->keep_all && !has_tau && !blocked && !source_is_dirty(m, f, read, y, k))
-    {
-      counts->skipped += cost;
-      if (target_dirty[k])
+      if (m->tau_flag[y * m->segments + k])
       {
-        for (int d = 0; d < planes; ++d)
-        {
-          fill_ones(target + (size_t)d * m->light_plane + x, CHI_SEGMENT);
-        }
-        target_dirty[k] = 0;
+        m->kernels->halve(picture(m, TAU, 2 * y) + 2 * x, picture(m, TAU, 2 * y + 1) + 2 * x,
+          m->scene->mean_length, light_scratch(m, LIGHT_TAU, y) + x, CHI_SEGMENT);
       }
-      if (seen_dirty[k])
-      {
-        fill_ones(seen + x, CHI_SEGMENT);
-        seen_dirty[k] = 0;
-      }
-      continue;
     }
-    if (has_tau && (!s->parallel || !lengths_known))
+    for (int f = 0; f < m->fields; ++f)
     {
-      static const float none[CHI_MAX_DIRECTIONS] = { 0 };
-      const double center = (x + 0.5) * s->scale - 0.5, row = ((double)y + 0.5) * s->scale - 0.5;
-      m->kernels->path_lengths(s->published ? none : s->tangent[0],
-        s->published ? none : s->tangent[1], planes, (float)(s->slope_x + center * s->slope_dx),
-        (float)(s->slope_y + row * s->slope_dy), (float)(s->slope_dx * s->scale), CHI_SEGMENT,
-        length, length_x);
-      lengths_known = 1;
+      for (int64_t y = rows[0]; y < rows[1]; ++y)
+      {
+        light_piece(m, &m->keep->field[f], slab, y, k, need[k], counts);
+      }
     }
-    chi_light_segment segment = { .source = light_row(m, f, read, y) + x,
-      .target = target + x,
-      .plane = m->light_plane,
-      .offset = m->steps[slab].offset,
-      .weight = (const float(*)[4])m->steps[slab].weight,
-      .stride = m->light_stride,
-      .directions = s->directions,
-      .tau = has_tau ? tau + x : NULL,
-      .length = length,
-      .length_x = length_x,
-      .geometry = blocked ? geometry + x : NULL,
-      .visibility = seen + x };
-    (s->published ? m->kernels->blur : m->kernels->light)(&segment);
-    target_dirty[k] = seen_dirty[k] = 1;
-    counts->updates += cost;
   }
-  seen[-1] = seen[0]; /* the enlargement reads one pixel beyond the picture */
+  for (int64_t y = rows[0]; y < rows[1] && m->frame->surface; ++y)
+  {
+    light_surfaces(m, slab, y);
+  }
+  read_probes(m, slab, rows[0], rows[1]);
 }
 
 /* ---- tasks ------------------------------------------------------------------------------------
@@ -927,31 +953,8 @@ static void run_task(march* m, int64_t block, int band)
     {
       continue;
     }
-    for (int64_t y = row0; y < row1; ++y)
-    {
-      if (s->scale == 2)
-      {
-        const uint8_t* const flags = m->tau_flag + y * m->segments;
-        for (int k = 0; k < m->segments; ++k)
-        {
-          if (flags[k])
-          {
-            const int x = k * CHI_SEGMENT;
-            m->kernels->halve(picture(m, TAU, 2 * y) + 2 * x, picture(m, TAU, 2 * y + 1) + 2 * x,
-              s->mean_length, light_scratch(m, LIGHT_TAU, y) + x, CHI_SEGMENT);
-          }
-        }
-      }
-      for (int f = 0; f < m->fields; ++f)
-      {
-        light_one_row(m, &m->keep->field[f], slab, y, need, &counts);
-      }
-      if (m->frame->surface)
-      {
-        light_surfaces(m, slab, y);
-      }
-    }
-    read_probes(m, slab, row0, row1);
+    const int64_t rows[2] = { row0, row1 };
+    light_band(m, slab, rows, need, &counts);
     seconds[1] += chi_seconds() - t1;
   }
   if (row0 < row1)
@@ -1052,7 +1055,7 @@ static void plan_steps(march* m)
       const double dy = fmin(fmax((double)s->tangent[1][k] * s->pixels_y * shift, -high), high);
       const double i = floor(dx), j = floor(dy), u = dx - i, v = dy - j;
       float* const w = m->steps[g].weight[k];
-      m->steps[g].offset[k] = (ptrdiff_t)j * (ptrdiff_t)m->light_stride + (ptrdiff_t)i;
+      m->steps[g].offset[k] = (ptrdiff_t)j * (ptrdiff_t)m->light_row + (ptrdiff_t)i;
       w[0] = (float)((1 - u) * (1 - v));
       w[1] = (float)(u * (1 - v));
       w[2] = (float)((1 - u) * v);
@@ -1321,7 +1324,9 @@ static void plan_layout(march* m)
   const size_t pad_x = (size_t)columns + 2, pad_y = (size_t)rows + 2;
   m->light_stride = round_up(round_up((size_t)s->light_width, CHI_SEGMENT) + 2 * pad_x, 16) + 16;
   m->light_plane = ((size_t)s->light_height + 2 * pad_y) * m->light_stride;
-  m->light_origin = pad_y * m->light_stride + pad_x;
+  m->visibility_origin = pad_y * m->light_stride + pad_x;
+  m->light_row = m->light_stride * (s->published ? 1 : (size_t)s->directions);
+  m->light_origin = pad_y * m->light_row + pad_x;
   m->ring = (int64_t)ceil(s->bias) + 4;
   m->ring = m->ring < s->slabs + 2 ? m->ring : s->slabs + 2;
 }
@@ -1365,7 +1370,7 @@ chi_status chi_march_run(const chi_exec* exec, chi_march* keep, const chi_scene*
   if (status == CHI_OK && frame->surface)
   {
     status = chi_surface_intervals(exec, scene, frame->surface, frame->params->geometry_thickness,
-      m.stride, picture(&m, SURFACE, 0), picture(&m, BLOCK_BEGIN, 0), picture(&m, BLOCK_END, 0));
+      PICTURE_PLANES * m.stride, m.stride, picture(&m, SURFACE, 0), picture(&m, BLOCK_BEGIN, 0), picture(&m, BLOCK_END, 0));
     if (status == CHI_OK)
     {
       status = chi_for(exec, (size_t)scene->light_height, gather_ranges, &m);

@@ -10,7 +10,7 @@ typedef struct interval_job
   const chi_scene* scene;
   const chi_surface_view* surface;
   double thickness; /* slabs */
-  size_t stride;
+  size_t stride, padded; /* floats from row to row; floats a row that are written */
   float* slice_depth;
   float* begin;
   float* end;
@@ -89,7 +89,7 @@ static void row_intervals(void* data, size_t first, size_t last)
         it->end[at] = (float)(end > begin ? end : begin);
       }
     }
-    for (size_t x = (size_t)s->width; x < it->stride; ++x)
+    for (size_t x = (size_t)s->width; x < it->padded; ++x)
     {
       it->slice_depth[y * it->stride + x] = INFINITY;
       it->begin[y * it->stride + x] = it->end[y * it->stride + x] = INFINITY;
@@ -98,10 +98,10 @@ static void row_intervals(void* data, size_t first, size_t last)
 }
 
 chi_status chi_surface_intervals(const chi_exec* exec, const chi_scene* scene,
-  const chi_surface_view* surface, double thickness, size_t stride, float* slice_depth,
-  float* begin, float* end)
+  const chi_surface_view* surface, double thickness, size_t stride,
+  size_t padded, float* slice_depth, float* begin, float* end)
 {
-  interval_job job = { exec, scene, surface, thickness / scene->slab, stride, slice_depth, begin,
+  interval_job job = { exec, scene, surface, thickness / scene->slab, stride, padded, slice_depth, begin,
     end };
   return chi_for(exec, (size_t)scene->height, row_intervals, &job);
 }
