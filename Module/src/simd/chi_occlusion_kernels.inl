@@ -177,9 +177,10 @@ CHI_INLINE void sample_run(
     vi entry = vf_int(t);
     entry -= (entry >= last_entry) & 1; /* the last entry has no interval after it */
     const vf f = t - vi_float(entry);
-    const vi sum = vi_gather(&s->sigma->sum, entry << 2, 4, finite);
-    const vf sigma0 = vf_gather(&s->sigma->sigma, entry << 2, 4, finite);
-    const vf half_slope = vf_gather(&s->sigma->half_slope, entry << 2, 4, finite);
+    vf parts[4]; /* lanes that are not wanted have t = 0: any entry may be read */
+    vf_load_entries((const float(*)[4])(const void*)s->sigma, entry, parts);
+    const vi sum = (vi)parts[0];
+    const vf sigma0 = parts[1], half_slope = parts[2];
     const vf rest = f * (sigma0 + f * half_slope);
 
     /* Mean extinction of the segment, scalar linear along it: integral over scalar / its change.
@@ -231,11 +232,11 @@ CHI_INLINE void sample_run(
     {
       weight *= vf_load(row->visibility + x);
     }
-    const vi color_entry = vf_int(t - 0.5f * change + 0.5f) << 2;
+    vf color[4];
+    vf_load_entries(s->rgba, vf_int(t - 0.5f * change + 0.5f), color);
     for (int c = 0; c < 3; ++c)
     {
-      const vf shade = vf_gather(&s->rgba[0][c], color_entry, 4, seen);
-      vf_store(row->color[c] + x, vf_load(row->color[c] + x) + weight * shade);
+      vf_store(row->color[c] + x, vf_load(row->color[c] + x) + weight * color[c]);
     }
   }
 }
