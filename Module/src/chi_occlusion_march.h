@@ -1,0 +1,180 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#ifndef CHI_OCCLUSION_MARCH_H
+#define CHI_OCCLUSION_MARCH_H
+
+/* What the parts of the march share; chi_occlusion_march.c says how it goes. */
+
+#include "chi_occlusion_internal.h"
+
+#include <stdatomic.h>
+
+enum
+{
+  MAX_BLOCK = 8, /* slabs a task takes at most */
+  BAND = 8       /* light rows a task takes */
+};
+
+/* Picture-sized planes of floats, in this order in chi_march.planes. */
+enum
+{
+  RED,
+  GREEN,
+  BLUE,
+  TRANSMITTANCE,
+  TABLE_POSITION,
+  SUM,
+  REST,
+  TAU,
+  ROW_VISIBILITY,
+  ENTER,
+  LEAVE,
+  SURFACE,
+  BLOCK_BEGIN,
+  BLOCK_END,
+  SURFACE_VISIBILITY,
+  PICTURE_PLANES,
+  LIGHT_TAU = 0,
+  GEOMETRY,
+  LIGHT_PLANES
+};
+
+/* What a cell of pixels needs in a block of slabs. */
+enum
+{
+  CELL_EMPTY = 0,
+  CELL_OCCUPIED = 1,
+  CELL_CROSSES_BOX = 2,
+  CELL_MIXED = 4
+};
+
+/* The shift of one slab, for all directions. */
+typedef struct light_step
+{
+  ptrdiff_t offset[CHI_MAX_DIRECTIONS];
+  float weight[CHI_MAX_DIRECTIONS][4];
+} light_step;
+
+/* One frame's march: borrowed scene, buffers of chi_march, and the state that tasks share. */
+typedef struct march
+{
+  const chi_exec* exec;
+  const chi_scene* scene;
+  const chi_occlusion_frame* frame;
+  const chi_occlusion_kernels* kernels;
+  chi_march* keep;
+  chi_sample_frame sample;
+  const chi_bricks* bricks;
+  const chi_classification* classification;
+  float* planes;  /* [PICTURE_PLANES][rows][stride] */
+  float* scratch; /* [LIGHT_PLANES][light rows][light_stride] */
+  size_t stride, rows, plane;
+  /* Light: [rows][directions][light_stride], so that a row of all directions is contiguous (pages,
+   * cache sets); visibility: [ring][rows][light_stride]. Origins: pixel (0, 0) within the padding.
+   */
+  size_t light_stride, light_row, light_plane, light_origin, visibility_origin;
+  int64_t ring;
+  int skew, block, bands;
+  int64_t blocks;
+  int lag; /* bands by which a block must lead the next one */
+  int cells_x, cells_y, segments;
+  int shift_segments;      /* segments to either side that light may come from */
+  uint8_t* cells;          /* [blocks][cells_y][cells_x] */
+  int64_t (*last_slab)[2]; /* [bands][segments]: of samples, of surfaces that are yet to be lit */
+  uint8_t* live;           /* [blocks][bands][segments] */
+  uint8_t* live_row;       /* [rows][cells_x] */
+  int64_t* sampled;        /* [rows][cells_x] segment sampled last */
+  uint8_t* tau_flag;       /* [light rows][segments] */
+  uint8_t* tau_stale;      /* [rows] the row's thickness is that of an earlier slab */
+  uint8_t* need;           /* [bands][segments] */
+  float* ranges;      /* [light rows][segments][4]: blocker begin, end; receiver first, last step */
+  double* reach;      /* [slabs + 1] light pixels that light can have moved */
+  light_step* steps;  /* [slabs] */
+  int64_t* order;     /* [tickets][2] block, band */
+  atomic_uchar* done; /* [blocks][bands] */
+  int fields;
+  int surface_field;
+  int keep_all, shaded;
+  float strength;
+  atomic_size_t ticket;
+  atomic_int cancelled;
+  atomic_llong samples, skipped_samples, light_updates, skipped_light, nanoseconds[2];
+  atomic_llong empty_samples;
+} march;
+
+static inline float* picture(const march* m, int which, int64_t y)
+{
+  return m->planes + ((size_t)y * PICTURE_PLANES + (size_t)which) * m->stride;
+}
+
+static inline float* light_scratch(const march* m, int which, int64_t y)
+{
+  return m->scratch +
+    ((size_t)which * (size_t)m->scene->light_height + (size_t)y) * m->light_stride;
+}
+
+static inline float* row_of_light(const march* m, const chi_light_field* f, int64_t side, int64_t y)
+{
+  return (float*)f->light[side].data + m->light_origin + (size_t)y * m->light_row;
+}
+
+static inline int64_t ring_slot(const march* m, int64_t slab)
+{
+  return slab % m->ring;
+}
+
+static inline float* visibility_row(
+  const march* m, const chi_light_field* f, int64_t slab, int64_t y)
+{
+  return (float*)f->visibility.data + (size_t)ring_slot(m, slab) * m->light_plane +
+    m->visibility_origin + (size_t)y * m->light_stride;
+}
+
+/* Flags of a row: sides 0 and 1 of the light, then the ring of visibility planes. */
+static inline uint8_t* dirty_row(const march* m, const chi_light_field* f, int64_t which, int64_t y)
+{
+  return (uint8_t*)f->dirty.data +
+    (size_t)(which * m->scene->light_height + y) * (size_t)m->segments;
+}
+
+static inline void chi_fill_ones(float* out, int count)
+{
+  for (int i = 0; i < count; ++i)
+  {
+    out[i] = 1;
+  }
+}
+
+/* chi_occlusion_plan.c */
+chi_status chi_march_plan(march* m);
+
+/* chi_occlusion_visible.c; the first two are bodies of parallel loops over rows, and over blocks x
+ * rows of cells */
+void chi_march_intersect_rows(void* data, size_t begin, size_t end);
+void chi_march_classify_blocks(void* data, size_t begin, size_t end);
+void chi_march_band_rows(const march* m, int band, int64_t rows[2]);
+void chi_march_last_slab(const march* m, int band, int segment, int64_t last[2]);
+
+/* chi_occlusion_receivers.c; gather_ranges and light_rest are bodies of parallel loops over light
+ * rows, and over rows */
+void chi_march_gather_ranges(void* data, size_t begin, size_t end);
+double chi_march_receiver_plane(const chi_scene* s, double slices);
+int chi_march_block_light(const march* m, int64_t slab, int64_t by, int segment, float* out);
+void chi_march_light_surfaces(const march* m, int64_t step, int64_t by);
+void chi_march_light_rest(void* data, size_t begin, size_t end);
+void chi_march_read_probes(const march* m, int64_t step, int64_t begin, int64_t end);
+void chi_march_read_last_probes(const march* m);
+
+/* chi_occlusion_samples.c */
+void chi_march_sample_row(
+  march* m, int64_t slab, int64_t y, const uint8_t* need, chi_sample_row* row);
+
+/* chi_occlusion_light.c */
+typedef struct light_counts
+{
+  int64_t updates, skipped;
+} light_counts;
+void chi_march_light_band(
+  march* m, int64_t slab, const int64_t rows[2], const uint8_t* need, light_counts* counts);
+
+#endif

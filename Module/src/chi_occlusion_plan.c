@@ -1,0 +1,306 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Layout, buffers and order of a frame's march. */
+
+#include "chi_occlusion_march.h"
+
+#include <math.h>
+#include <string.h>
+
+static size_t round_up(size_t x, size_t to)
+{
+  return (x + to - 1) / to * to;
+}
+
+static void plan_steps(march* m)
+{
+  const chi_scene* const s = m->scene;
+  m->reach[0] = 0;
+  for (int64_t g = 0; g < s->slabs; ++g)
+  {
+    const double shift = g == 0 ? 0
+                                : chi_scene_shift(s, chi_scene_depth(s, (double)g - 0.5),
+                                    chi_scene_depth(s, (double)g + 0.5));
+    double reach = 0;
+    for (int k = 0; k < s->directions; ++k)
+    {
+      /* Farther than the picture is wide, light comes from outside: the padding is that wide. */
+      const double wide = s->light_width + 1, high = s->light_height + 1;
+      const double dx = fmin(fmax((double)s->tangent[0][k] * s->pixels_x * shift, -wide), wide);
+      const double dy = fmin(fmax((double)s->tangent[1][k] * s->pixels_y * shift, -high), high);
+      const double i = floor(dx), j = floor(dy), u = dx - i, v = dy - j;
+      float* const w = m->steps[g].weight[k];
+      m->steps[g].offset[k] = (ptrdiff_t)j * (ptrdiff_t)m->light_row + (ptrdiff_t)i;
+      w[0] = (float)((1 - u) * (1 - v));
+      w[1] = (float)(u * (1 - v));
+      w[2] = (float)((1 - u) * v);
+      w[3] = (float)(u * v);
+      reach = fmax(reach, fmax(ceil(fabs(dx)), ceil(fabs(dy))));
+    }
+    m->reach[g] = (g ? m->reach[g - 1] : 0) + reach;
+  }
+  m->reach[s->slabs] = INFINITY; /* receivers behind the last plane look anywhere */
+}
+
+/* Rows and columns that light crosses in the widest step. */
+static void widest_step(const chi_scene* s, double* columns, double* rows)
+{
+  double slope_x = 0, slope_y = 0, shift = 0;
+  for (int k = 0; k < s->directions; ++k)
+  {
+    slope_x = fmax(slope_x, fabs((double)s->tangent[0][k]));
+    slope_y = fmax(slope_y, fabs((double)s->tangent[1][k]));
+  }
+  if (s->slabs > 1)
+  {
+    shift =
+      chi_scene_shift(s, chi_scene_depth(s, 0.5), chi_scene_depth(s, 1.5)); /* nearest = widest */
+  }
+  *columns = fmin(ceil(slope_x * s->pixels_x * shift), s->light_width + 1);
+  *rows = fmax(1, fmin(ceil(slope_y * s->pixels_y * shift), s->light_height + 1));
+}
+
+static void plan_order(march* m)
+{
+  int64_t* next = m->order;
+  const int64_t diagonals = (m->blocks - 1) * (m->lag + 1) + m->bands;
+  for (int64_t d = 0; d < diagonals; ++d)
+  {
+    for (int64_t block = d / (m->lag + 1) < m->blocks - 1 ? d / (m->lag + 1) : m->blocks - 1;
+         block >= 0; --block)
+    {
+      const int64_t band = d - block * (m->lag + 1);
+      if (band >= m->bands)
+      {
+        break;
+      }
+      *next++ = block;
+      *next++ = band;
+    }
+  }
+}
+
+static void fill_field(void* data, size_t begin, size_t end)
+{
+  float* const out = (float*)data;
+  for (size_t i = begin; i < end; ++i)
+  {
+    chi_fill_ones(out + i * 4096, 4096);
+  }
+}
+
+/* Light from outside everywhere. */
+static chi_status clear_field(march* m, chi_light_field* f, size_t light_floats)
+{
+  const size_t floats[3] = { light_floats, light_floats, (size_t)m->ring * m->light_plane };
+  chi_buffer* const buffer[3] = { &f->light[0], &f->light[1], &f->visibility };
+  for (int k = 0; k < 3; ++k)
+  {
+    /* Slack of a segment: the last row's overhang. */
+    const size_t count = round_up(floats[k] + CHI_SEGMENT, 4096);
+    if (!chi_buffer_reserve(m->exec, buffer[k], count, sizeof(float)))
+    {
+      return CHI_ERROR_OUT_OF_MEMORY;
+    }
+    const chi_status status = chi_for(m->exec, count / 4096, fill_field, buffer[k]->data);
+    if (status != CHI_OK)
+    {
+      return status;
+    }
+  }
+  const size_t flags = (size_t)(2 + m->ring) * (size_t)m->scene->light_height * (size_t)m->segments;
+  if (!chi_buffer_reserve(m->exec, &f->dirty, flags, 1))
+  {
+    return CHI_ERROR_OUT_OF_MEMORY;
+  }
+  memset(f->dirty.data, 0, flags);
+  return CHI_OK;
+}
+
+static void plan_fields(march* m)
+{
+  const int bits = m->frame->params->interactions;
+  chi_light_field* const f = m->keep->field;
+  const int has_volume = m->frame->volume != NULL, has_surface = m->frame->surface != NULL;
+  const int to_volume[2] = { (bits & CHI_VOLUME_TO_VOLUME) && has_volume,
+    (bits & CHI_GEOMETRY_TO_VOLUME) && has_surface };
+  const int to_surface[2] = { (bits & CHI_VOLUME_TO_GEOMETRY) && has_volume,
+    (bits & CHI_GEOMETRY_TO_GEOMETRY) && has_surface };
+  m->fields = 0;
+  m->surface_field = 0;
+  f[0].volume = to_volume[0];
+  f[0].geometry = to_volume[1];
+  f[1].volume = f[1].geometry = 0;
+  if (!(m->strength > 0) && !m->frame->probes)
+  {
+    f[0].volume = f[0].geometry = 0;
+    return;
+  }
+  m->fields = f[0].volume || f[0].geometry;
+  if (has_surface && (to_surface[0] != to_volume[0] || to_surface[1] != to_volume[1]))
+  {
+    f[1].volume = to_surface[0];
+    f[1].geometry = to_surface[1];
+    m->surface_field = 1;
+    m->fields = f[1].volume || f[1].geometry ? 2 : m->fields;
+  }
+}
+
+static chi_status reserve(march* m)
+{
+  const chi_exec* const exec = m->exec;
+  const chi_scene* const s = m->scene;
+  chi_march* const keep = m->keep;
+  const size_t segments = (size_t)m->segments, bands = (size_t)m->bands;
+  const size_t blocks = (size_t)m->blocks, cells = (size_t)m->cells_x,
+               light_rows = (size_t)s->light_height;
+  const size_t slabs = (size_t)s->slabs;
+  if (!chi_buffer_reserve(exec, &keep->planes, PICTURE_PLANES * m->plane + 64, sizeof(float)) ||
+    !chi_buffer_reserve(
+      exec, &keep->scratch, LIGHT_PLANES * light_rows * m->light_stride + 64, sizeof(float)) ||
+    !chi_buffer_reserve(exec, &keep->cells, blocks * (size_t)m->cells_y * cells + 1, 1) ||
+    !chi_buffer_reserve(exec, &keep->last_slab, bands * segments, 2 * sizeof(int64_t)) ||
+    !chi_buffer_reserve(exec, &keep->live,
+      blocks * bands * segments + light_rows * segments + bands * segments + 1, 1) ||
+    !chi_buffer_reserve(exec, &keep->live_row, m->rows * (cells + 1), 1) ||
+    !chi_buffer_reserve(exec, &keep->sampled, m->rows * cells, sizeof(int64_t)) ||
+    !chi_buffer_reserve(exec, &keep->done, blocks * bands + 1, 1) ||
+    !chi_buffer_reserve(exec, &keep->order, blocks * bands + 1, 2 * sizeof(int64_t)) ||
+    !chi_buffer_reserve(exec, &keep->reach, slabs + 1, sizeof(double)) ||
+    !chi_buffer_reserve(exec, &keep->steps, slabs + 1, sizeof(light_step)) ||
+    !chi_buffer_reserve(exec, &keep->ranges, light_rows * segments, 4 * sizeof(float)))
+  {
+    return CHI_ERROR_OUT_OF_MEMORY;
+  }
+  m->planes = (float*)keep->planes.data;
+  m->scratch = (float*)keep->scratch.data;
+  m->cells = (uint8_t*)keep->cells.data;
+  m->last_slab = (int64_t(*)[2])keep->last_slab.data;
+  m->live = (uint8_t*)keep->live.data;
+  m->tau_flag = m->live + blocks * bands * segments;
+  m->need = m->tau_flag + light_rows * segments;
+  m->live_row = (uint8_t*)keep->live_row.data;
+  m->tau_stale = m->live_row + m->rows * cells;
+  m->sampled = (int64_t*)keep->sampled.data;
+  m->done = (atomic_uchar*)keep->done.data;
+  m->order = (int64_t*)keep->order.data;
+  m->reach = (double*)keep->reach.data;
+  m->steps = (light_step*)keep->steps.data;
+  m->ranges = (float*)keep->ranges.data;
+  memset(keep->done.data, 0, blocks * bands);
+  memset(m->live_row, 1, m->rows * cells);
+  memset(m->tau_stale, 0, m->rows);
+  for (size_t i = 0; i < m->rows * cells; ++i)
+  {
+    m->sampled[i] = -2;
+  }
+  return CHI_OK;
+}
+
+static void clear_rows(void* data, size_t begin, size_t end)
+{
+  const march* const m = (const march*)data;
+  for (size_t y = begin; y < end; ++y)
+  {
+    for (int c = 0; c < 3; ++c)
+    {
+      memset(picture(m, RED + c, (int64_t)y), 0, m->stride * sizeof(float));
+    }
+    memset(picture(m, TAU, (int64_t)y), 0, m->stride * sizeof(float));
+    chi_fill_ones(picture(m, TRANSMITTANCE, (int64_t)y), (int)m->stride);
+    chi_fill_ones(picture(m, SURFACE_VISIBILITY, (int64_t)y), (int)m->stride);
+  }
+}
+
+static void set_sample_frame(march* m)
+{
+  chi_sample_frame* const f = &m->sample;
+  /* Rays end at alpha 0.998 (issue's figure: what is left is half a step of 255). */
+  f->saturated = m->keep_all ? 0 : 0.002f;
+  if (!m->frame->volume)
+  {
+    return;
+  }
+  const chi_bricks* const b = m->bricks;
+  const chi_classification* const c = m->classification;
+  const size_t* const n = b->dimensions;
+  f->scalars = b->scalars;
+  f->fetch = b->fetch;
+  f->nearest = b->nearest;
+  f->step_x = n[0] > 1;
+  f->step_y = n[1] > 1 ? (int32_t)n[0] : 0;
+  f->step_z = n[2] > 1 ? (int32_t)(n[0] * n[1]) : 0;
+  const size_t samples = n[0] * n[1] * n[2];
+  f->last_load = (int32_t)(b->fetch == CHI_FETCH_U8 ? samples - 4
+      : b->fetch == CHI_FETCH_F32                   ? samples - 1
+                                                    : samples - 2);
+  for (int a = 0; a < 3; ++a)
+  {
+    f->last_cell[a] = n[a] > 1 ? (int32_t)n[a] - 2 : 0;
+    f->last_index[a] = (float)(n[a] - 1);
+  }
+  f->base = c->base;
+  f->scale = c->scale;
+  f->offset = c->offset;
+  f->table_end = (float)(c->entries - 1);
+  f->sigma = (const chi_sigma_entry*)c->sigma.data;
+  f->rgba = (const float(*)[4])c->rgba.data;
+  f->quantum = c->quantum;
+  f->occupied = (const uint8_t*)c->occupied.data;
+  f->brick_step_y = (int32_t)b->count[0];
+  f->brick_step_z = (int32_t)(b->count[0] * b->count[1]);
+  f->slice = (float)m->scene->slice;
+}
+
+static void plan_layout(march* m)
+{
+  const chi_scene* const s = m->scene;
+  double columns, rows;
+  widest_step(s, &columns, &rows);
+  m->stride = round_up((size_t)s->width + CHI_CELL_WIDTH, 64);
+  m->rows = round_up((size_t)s->height, (size_t)s->scale);
+  m->plane = m->rows * m->stride;
+  m->cells_x = (s->width - 1) / CHI_CELL_WIDTH + 1;
+  m->cells_y = (int)((m->rows - 1) / CHI_CELL_HEIGHT) + 1;
+  m->segments = (s->light_width - 1) / CHI_SEGMENT + 1;
+  m->skew = (int)rows;
+  m->shift_segments = (int)(columns / CHI_SEGMENT) + 1;
+  m->block = 16 / m->skew < 1 ? 1 : 16 / m->skew < MAX_BLOCK ? 16 / m->skew : MAX_BLOCK;
+  m->blocks = (s->slabs + m->block - 1) / m->block;
+  m->bands = (s->light_height + m->skew * (m->block - 1) - 1) / BAND + 1;
+  m->lag = (m->skew * m->block + BAND - 1) / BAND;
+  const size_t pad_x = (size_t)columns + 2, pad_y = (size_t)rows + 2;
+  m->light_stride = round_up(round_up((size_t)s->light_width, CHI_SEGMENT) + 2 * pad_x, 16) + 16;
+  m->light_plane = ((size_t)s->light_height + 2 * pad_y) * m->light_stride;
+  m->visibility_origin = pad_y * m->light_stride + pad_x;
+  m->light_row = m->light_stride * (s->published ? 1 : (size_t)s->directions);
+  m->light_origin = pad_y * m->light_row + pad_x;
+  m->ring = (int64_t)ceil(s->bias) + 4;
+  m->ring = m->ring < s->slabs + 2 ? m->ring : s->slabs + 2;
+}
+
+/* Everything that a frame needs before its first task. */
+chi_status chi_march_plan(march* m)
+{
+  plan_layout(m);
+  chi_status status = reserve(m);
+  if (status != CHI_OK)
+  {
+    return status;
+  }
+  plan_fields(m);
+  const size_t light_floats =
+    m->light_plane * (m->scene->published ? 1 : (size_t)m->scene->directions);
+  for (int f = 0; f < m->fields && status == CHI_OK; ++f)
+  {
+    status = clear_field(m, &m->keep->field[f], light_floats);
+  }
+  if (status == CHI_OK)
+  {
+    set_sample_frame(m);
+    plan_steps(m);
+    plan_order(m);
+    status = chi_for(m->exec, m->rows, clear_rows, m);
+  }
+  return status;
+}

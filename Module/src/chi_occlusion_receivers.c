@@ -1,0 +1,241 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Geometry in the march, as blocker and as receiver of light; probes, which receive alike. */
+
+#include "chi_occlusion_march.h"
+
+#include <math.h>
+
+/* Step of the march that can serve visibility at this depth: both planes about it are then
+ * complete, with a row to spare on either side. */
+double chi_march_receiver_plane(const chi_scene* s, double slices)
+{
+  return slices / (double)s->group - s->bias - 0.5;
+}
+
+void chi_march_gather_ranges(void* data, size_t begin, size_t end)
+{
+  const march* const m = (const march*)data;
+  const chi_scene* const s = m->scene;
+  for (size_t by = begin; by < end && !chi_is_cancelled(m->exec); ++by)
+  {
+    for (int segment = 0; segment < m->segments; ++segment)
+    {
+      float* const range = m->ranges + 4 * (by * (size_t)m->segments + (size_t)segment);
+      range[0] = range[2] = INFINITY;
+      range[1] = range[3] = -INFINITY;
+      for (int64_t y = (int64_t)by * s->scale; y < (int64_t)(by + 1) * s->scale && y < s->height;
+           ++y)
+      {
+        const int64_t x0 = (int64_t)segment * CHI_SEGMENT * s->scale;
+        for (int64_t x = x0; x < x0 + CHI_SEGMENT * s->scale && x < s->width; ++x)
+        {
+          const float depth = picture(m, SURFACE, y)[x];
+          if (depth < INFINITY)
+          {
+            const float step = (float)(floor(chi_march_receiver_plane(s, (double)depth)) + 2);
+            range[0] = fminf(range[0], picture(m, BLOCK_BEGIN, y)[x]);
+            range[1] = fmaxf(range[1], picture(m, BLOCK_END, y)[x]);
+            range[2] = fminf(range[2], step);
+            range[3] = fmaxf(range[3], step);
+          }
+        }
+      }
+    }
+  }
+}
+
+/* Transmittance of the geometry in a slab, a segment of light pixels; 0 when nothing blocks. */
+int chi_march_block_light(const march* m, int64_t slab, int64_t by, int segment, float* out)
+{
+  const chi_scene* const s = m->scene;
+  const float* const range = m->ranges + 4 * ((size_t)by * (size_t)m->segments + (size_t)segment);
+  if (!m->frame->surface || !(range[0] < (float)(slab + 1)) || !(range[1] >= (float)slab))
+  {
+    return 0;
+  }
+  const float share = 1.0f / (float)(s->scale * s->scale);
+  const int64_t x0 = (int64_t)segment * CHI_SEGMENT * s->scale;
+  for (int i = 0; i < CHI_SEGMENT; ++i)
+  {
+    out[i] = 1;
+  }
+  for (int64_t y = by * s->scale; y < (by + 1) * s->scale && y < s->height; ++y)
+  {
+    const float* const begin = picture(m, BLOCK_BEGIN, y);
+    const float* const end = picture(m, BLOCK_END, y);
+    for (int64_t i = 0; i < CHI_SEGMENT * s->scale && x0 + i < s->width; ++i)
+    {
+      const int blocked = begin[x0 + i] < (float)(slab + 1) && end[x0 + i] >= (float)slab;
+      out[i / s->scale] -= blocked ? share : 0;
+    }
+  }
+  return 1;
+}
+
+/* Mean visibility at a place of a light plane, bilinear; x and y in light pixels from a centre. */
+static double plane_at(const march* m, const chi_light_field* f, int64_t slab, double x, double y)
+{
+  if (slab < 0)
+  {
+    return 1;
+  }
+  const chi_scene* const s = m->scene;
+  x = fmin(fmax(x, 0), s->light_width - 1);
+  y = fmin(fmax(y, 0), s->light_height - 1);
+  const int64_t i = (int64_t)x, j = (int64_t)y;
+  const int64_t i1 = i + 1 < s->light_width ? i + 1 : i, j1 = j + 1 < s->light_height ? j + 1 : j;
+  const double u = x - (double)i, v = y - (double)j;
+  const float* const a = visibility_row(m, f, slab, j);
+  const float* const b = visibility_row(m, f, slab, j1);
+  return (1 - v) * ((1 - u) * (double)a[i] + u * (double)a[i1]) +
+    v * ((1 - u) * (double)b[i] + u * (double)b[i1]);
+}
+
+/* Behind the last plane: every direction at the offset that is left, in one step. */
+static double beyond_last_plane(
+  const march* m, const chi_light_field* f, double plane, double x, double y)
+{
+  const chi_scene* const s = m->scene;
+  const double shift =
+    chi_scene_shift(s, chi_scene_depth(s, (double)s->slabs - 0.5), chi_scene_depth(s, plane + 0.5));
+  double sum = 0;
+  for (int k = 0; k < s->directions; ++k)
+  {
+    const double px = x + (double)s->tangent[0][k] * s->pixels_x * shift;
+    const double py = y + (double)s->tangent[1][k] * s->pixels_y * shift;
+    if (!(px > -1 && py > -1 && px < s->light_width && py < s->light_height))
+    {
+      sum += 1; /* from outside the picture */
+      continue;
+    }
+    const int64_t i = (int64_t)floor(px), j = (int64_t)floor(py);
+    const double u = px - (double)i, v = py - (double)j;
+    const float* const a = row_of_light(m, f, s->slabs & 1, j) + i +
+      (s->published ? 0 : (ptrdiff_t)k * (ptrdiff_t)m->light_stride);
+    const float* const b = a + m->light_row;
+    sum += (1 - v) * ((1 - u) * (double)a[0] + u * (double)a[1]) +
+      v * ((1 - u) * (double)b[0] + u * (double)b[1]);
+  }
+  return sum / s->directions;
+}
+
+/* Visibility between planes at `plane`, before strength. */
+static double visibility_at(
+  const march* m, const chi_light_field* f, double plane, double x, double y)
+{
+  if (!(f->volume || f->geometry) || m->scene->slabs == 0 || plane <= -1)
+  {
+    return 1;
+  }
+  if (plane > (double)(m->scene->slabs - 1))
+  {
+    return beyond_last_plane(m, f, plane, x, y);
+  }
+  const double below = floor(plane), w = plane - below;
+  const int64_t i = (int64_t)below;
+  const double a = plane_at(m, f, i, x, y);
+  return w > 0 ? (1 - w) * a + w * plane_at(m, f, i + 1, x, y) : a;
+}
+
+static double to_light(const chi_scene* s, double pixel)
+{
+  return pixel / s->scale - 0.5;
+}
+
+static void light_surface(const march* m, int64_t y, int64_t x)
+{
+  const chi_scene* const s = m->scene;
+  const double plane = chi_march_receiver_plane(s, (double)picture(m, SURFACE, y)[x]);
+  const double v = visibility_at(m, &m->keep->field[m->surface_field], plane,
+    to_light(s, (double)x + 0.5), to_light(s, (double)y + 0.5));
+  picture(m, SURFACE_VISIBILITY, y)[x] = (float)(1 - (double)m->strength * (1 - v));
+}
+
+/* Surfaces of one light row whose planes are complete in this step. */
+void chi_march_light_surfaces(const march* m, int64_t step, int64_t by)
+{
+  const chi_scene* const s = m->scene;
+  for (int segment = 0; segment < m->segments; ++segment)
+  {
+    const float* const range = m->ranges + 4 * ((size_t)by * (size_t)m->segments + (size_t)segment);
+    if (!(range[2] <= (float)step) || !(range[3] >= (float)step))
+    {
+      continue;
+    }
+    const int64_t x0 = (int64_t)segment * CHI_SEGMENT * s->scale;
+    for (int64_t y = by * s->scale; y < (by + 1) * s->scale && y < s->height; ++y)
+    {
+      const float* const depth = picture(m, SURFACE, y);
+      for (int64_t x = x0; x < x0 + CHI_SEGMENT * s->scale && x < s->width; ++x)
+      {
+        if (depth[x] < INFINITY &&
+          floor(chi_march_receiver_plane(s, (double)depth[x])) + 2 == (double)step)
+        {
+          light_surface(m, y, x);
+        }
+      }
+    }
+  }
+}
+
+static double probe_plane(const march* m, size_t i)
+{
+  const chi_scene* const s = m->scene;
+  return (m->frame->probes->position[3 * i + 2] - s->start) / s->slab - s->bias - 0.5;
+}
+
+static void read_probe(const march* m, size_t i)
+{
+  const double* const p = m->frame->probes->position + 3 * i;
+  m->frame->probes->visibility[i] = (float)visibility_at(
+    m, &m->keep->field[0], probe_plane(m, i), to_light(m->scene, p[0]), to_light(m->scene, p[1]));
+}
+
+/* Probes of rows [begin, end) that this step completes. */
+void chi_march_read_probes(const march* m, int64_t step, int64_t begin, int64_t end)
+{
+  const chi_occlusion_probes* const probes = m->frame->probes;
+  for (size_t i = 0; probes && i < probes->count; ++i)
+  {
+    const double row = floor(probes->position[3 * i + 1] / m->scene->scale);
+    const double top = (double)m->scene->light_height - 1;
+    const double y = row < 0 ? 0 : row > top ? top : row;
+    if (y >= (double)begin && y < (double)end && floor(probe_plane(m, i)) + 2 == (double)step)
+    {
+      read_probe(m, i);
+    }
+  }
+}
+
+/* What no step of the march could serve: surfaces and probes at the last plane and behind it. */
+void chi_march_light_rest(void* data, size_t begin, size_t end)
+{
+  const march* const m = (const march*)data;
+  const chi_scene* const s = m->scene;
+  for (size_t y = begin; y < end && !chi_is_cancelled(m->exec); ++y)
+  {
+    const float* const depth = picture(m, SURFACE, (int64_t)y);
+    for (int64_t x = 0; x < s->width; ++x)
+    {
+      if (depth[x] < INFINITY &&
+        floor(chi_march_receiver_plane(s, (double)depth[x])) + 2 >= (double)s->slabs)
+      {
+        light_surface(m, (int64_t)y, x);
+      }
+    }
+  }
+}
+
+void chi_march_read_last_probes(const march* m)
+{
+  const chi_occlusion_probes* const probes = m->frame->probes;
+  for (size_t i = 0; probes && i < probes->count; ++i)
+  {
+    const double plane = probe_plane(m, i);
+    if (plane <= -1 || floor(plane) + 2 >= (double)m->scene->slabs)
+    {
+      read_probe(m, i);
+    }
+  }
+}

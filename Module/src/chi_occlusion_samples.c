@@ -1,0 +1,157 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Samples of one row of pixels through one slab. */
+
+#include "chi_occlusion_march.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Visibility of a run of pixels in the middle of a segment, or NULL where all of it is 1. */
+static const float* run_visibility(
+  const march* m, int64_t slab, double slices, int64_t y, int x_begin, int x_end)
+{
+  const chi_scene* const s = m->scene;
+  const chi_light_field* const f = &m->keep->field[0];
+  if (!m->shaded || !(f->volume || f->geometry) || slab == 0)
+  {
+    return NULL;
+  }
+  double plane = chi_march_receiver_plane(s, slices);
+  plane = plane < (double)(slab - 1) ? plane : (double)(slab - 1);
+  if (plane <= -1)
+  {
+    return NULL;
+  }
+  const int64_t first = (int64_t)floor(plane);
+  const float w = (float)(plane - (double)first);
+  int64_t rows[2] = { y, y };
+  float v = 0;
+  if (s->scale == 2)
+  {
+    rows[0] = y & 1 ? y >> 1 : (y >> 1) - 1;
+    rows[1] = rows[0] + 1;
+    v = y & 1 ? 0.25f : 0.75f;
+    rows[0] = rows[0] > 0 ? rows[0] : 0;
+    rows[1] = rows[1] < s->light_height ? rows[1] : s->light_height - 1;
+  }
+  const int seg0 = x_begin / s->scale / CHI_SEGMENT;
+  int seg1 = (x_end - 1) / s->scale / CHI_SEGMENT + 1; /* one more: the right neighbour is read */
+  seg1 = seg1 < m->segments ? seg1 : m->segments - 1;
+  const float* source[4];
+  float weight[4], base = 1 - m->strength;
+  int dirty = 0;
+  for (int k = 0; k < 4; ++k)
+  {
+    const int64_t i = first + (k >> 1), row = rows[k & 1];
+    weight[k] = m->strength * (k >> 1 ? w : 1 - w) * (k & 1 ? v : 1 - v);
+    if (i < 0)
+    {
+      base += weight[k]; /* before the first plane all light arrives */
+      weight[k] = 0;
+    }
+    const int64_t plane_read = i < 0 ? 0 : i < slab ? i : slab - 1;
+    source[k] = visibility_row(m, f, plane_read, row);
+    if (weight[k] > 0)
+    {
+      const uint8_t* const flags = dirty_row(m, f, 2 + ring_slot(m, plane_read), row);
+      for (int segment = seg0 > 0 ? seg0 - 1 : 0; segment <= seg1; ++segment)
+      {
+        dirty |= flags[segment];
+      }
+    }
+  }
+  if (!dirty)
+  {
+    return NULL;
+  }
+  float* const out = picture(m, ROW_VISIBILITY, y);
+  m->kernels->enlarge(source, weight, base, s->scale, x_begin, x_end, out);
+  return out;
+}
+
+/* Common parts of a row between two slices. */
+static void set_row(const march* m, chi_sample_row* row, int64_t y, int64_t segment)
+{
+  const chi_scene* const s = m->scene;
+  const double far = s->start + (double)(segment + 1) * s->slice;
+  for (int a = 0; a < 3; ++a)
+  {
+    const double across = (double)y * s->along_y[a];
+    const double lateral = s->parallel ? 1 : far;
+    row->position[a] = (float)(s->origin[a] + far * s->axis[a] + lateral * across);
+    row->position_x[a] = (float)(lateral * s->along_x[a]);
+    row->direction[a] = (float)(s->slice * (s->axis[a] + (s->parallel ? 0 : across)));
+    row->direction_x[a] = (float)(s->parallel ? 0 : s->slice * s->along_x[a]);
+  }
+  const double py = s->slope_y + (double)y * s->slope_dy;
+  row->length0 = (float)s->slope_x;
+  row->length_x = (float)s->slope_dx;
+  row->length_c = (float)(1 + py * py);
+  row->near_slice = (float)segment;
+  row->first = segment == s->volume_begin * s->group;
+}
+
+void chi_march_sample_row(
+  march* m, int64_t slab, int64_t y, const uint8_t* need, chi_sample_row* row)
+{
+  const chi_scene* const s = m->scene;
+  const int64_t block = slab / m->block;
+  const uint8_t* const cells = m->cells + (block * m->cells_y + y / CHI_CELL_HEIGHT) * m->cells_x;
+  const uint8_t* const live = m->live_row + y * m->cells_x;
+  int64_t* const sampled = m->sampled + y * m->cells_x;
+  uint8_t* const flags = m->tau_flag + y / s->scale * m->segments;
+  const int width = (s->width + CHI_CELL_WIDTH - 1) / CHI_CELL_WIDTH * CHI_CELL_WIDTH;
+  if (m->tau_stale[y])
+  {
+    memset(row->tau, 0, m->stride * sizeof(float));
+    m->tau_stale[y] = 0;
+  }
+  for (int64_t i = 0; i < s->group; ++i)
+  {
+    const int64_t segment = slab * s->group + i;
+    set_row(m, row, y, segment);
+    for (int cx = 0; cx < m->cells_x;)
+    {
+      const int light = need[cx * CHI_CELL_WIDTH / s->scale / CHI_SEGMENT];
+      if (cells[cx] == CELL_EMPTY || !(light || live[cx]))
+      {
+        if (cells[cx] != CELL_EMPTY)
+        {
+          row->skipped += CHI_CELL_WIDTH;
+        }
+        ++cx;
+        continue;
+      }
+      /* A run of cells that are alike. */
+      const int restart = sampled[cx] != segment - 1;
+      int end = cx;
+      while (end < m->cells_x && cells[end] == cells[cx] && live[end] == live[cx] &&
+        (sampled[end] != segment - 1) == restart &&
+        need[end * CHI_CELL_WIDTH / s->scale / CHI_SEGMENT] == light)
+      {
+        sampled[end++] = segment;
+      }
+      m->tau_stale[y] = 1;
+      const int x0 = cx * CHI_CELL_WIDTH;
+      const int x1 = end * CHI_CELL_WIDTH < width ? end * CHI_CELL_WIDTH : width;
+      row->restart = restart;
+      row->bricks = (cells[cx] & CELL_MIXED) != 0;
+      row->enter = cells[cx] & CELL_CROSSES_BOX ? picture(m, ENTER, y) : NULL;
+      row->leave = picture(m, LEAVE, y);
+      row->surface = m->frame->surface ? picture(m, SURFACE, y) : NULL;
+      row->saturated_too = light;
+      row->visibility = live[cx] ? run_visibility(m, slab, (double)segment + 0.5, y, x0, x1) : NULL;
+      row->any_tau = 0;
+      m->kernels->sample(row, x0, x1);
+      if (row->any_tau)
+      {
+        for (int k = cx; k < end; ++k)
+        {
+          flags[k * CHI_CELL_WIDTH / s->scale / CHI_SEGMENT] = 1;
+        }
+      }
+      cx = end;
+    }
+  }
+}

@@ -1,0 +1,174 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Which cells of the picture meet something, block by block, and until when. */
+
+#include "chi_occlusion_march.h"
+
+#include <math.h>
+
+/* Where the rays of one row of pixels enter and leave the volume's box, in slices. */
+static void intersect_box(const march* m, int64_t y)
+{
+  const chi_scene* const s = m->scene;
+  float* const enter = picture(m, ENTER, y);
+  float* const leave = picture(m, LEAVE, y);
+  const double first = (double)(s->volume_begin * s->group),
+               last = (double)(s->volume_end * s->group);
+  for (size_t x = 0; x < m->stride; ++x)
+  {
+    double from = first, to = last;
+    for (int a = 0; a < 3; ++a)
+    {
+      const double across = (double)x * s->along_x[a] + (double)y * s->along_y[a];
+      const double o = s->origin[a] + (s->parallel ? across : 0);
+      const double d = s->axis[a] + (s->parallel ? 0 : across);
+      const double p = o + d * s->start; /* index position at slice 0 */
+      const double q = d * s->slice;
+      if (q == 0)
+      {
+        to = p >= s->box_low[a] && p <= s->box_high[a] ? to : from;
+        continue;
+      }
+      const double t0 = (s->box_low[a] - p) / q, t1 = (s->box_high[a] - p) / q;
+      from = fmax(from, fmin(t0, t1));
+      to = fmin(to, fmax(t0, t1));
+    }
+    const int hit = from < to && x < (size_t)s->width;
+    enter[x] = hit ? (float)from : INFINITY;
+    leave[x] = hit ? (float)to : -INFINITY;
+  }
+}
+
+void chi_march_intersect_rows(void* data, size_t begin, size_t end)
+{
+  const march* const m = (const march*)data;
+  for (size_t y = begin; y < end && !chi_is_cancelled(m->exec); ++y)
+  {
+    intersect_box(m, (int64_t)y);
+  }
+}
+
+/* Samples of a cell that the brick test spares, for the counter alone. */
+static int64_t count_inside(const march* m, int cx, int cy, double first, double last)
+{
+  int64_t count = 0;
+  for (int y = cy * CHI_CELL_HEIGHT; y < (cy + 1) * CHI_CELL_HEIGHT && y < m->scene->height; ++y)
+  {
+    const float* const enter = picture(m, ENTER, y);
+    const float* const leave = picture(m, LEAVE, y);
+    for (int x = cx * CHI_CELL_WIDTH; x < (cx + 1) * CHI_CELL_WIDTH && x < m->scene->width; ++x)
+    {
+      const double from = floor(fmax((double)enter[x], first));
+      const double to = ceil(fmin((double)leave[x], last));
+      count += to > from ? (int64_t)(to - from) : 0;
+    }
+  }
+  return count;
+}
+
+static uint8_t classify_cell(march* m, int64_t block, int cx, int cy)
+{
+  const chi_scene* const s = m->scene;
+  const double first = (double)(block * m->block), last = first + m->block;
+  const double z[2] = { chi_scene_depth(s, first), chi_scene_depth(s, last) };
+  const double x[2] = { cx * CHI_CELL_WIDTH, cx * CHI_CELL_WIDTH + CHI_CELL_WIDTH - 1 };
+  const double y[2] = { cy * CHI_CELL_HEIGHT, cy * CHI_CELL_HEIGHT + CHI_CELL_HEIGHT - 1 };
+  double low[3], high[3];
+  int inside = first >= (double)s->volume_begin;
+  for (int a = 0; a < 3; ++a)
+  {
+    low[a] = INFINITY;
+    high[a] = -INFINITY;
+    for (int corner = 0; corner < 8; ++corner)
+    {
+      const double depth = z[corner >> 2];
+      const double across = x[corner & 1] * s->along_x[a] + y[corner >> 1 & 1] * s->along_y[a];
+      const double p = s->origin[a] + depth * s->axis[a] + (s->parallel ? 1 : depth) * across;
+      low[a] = fmin(low[a], p);
+      high[a] = fmax(high[a], p);
+    }
+    if (!(high[a] >= s->box_low[a] && low[a] <= s->box_high[a]))
+    {
+      return CELL_EMPTY; /* outside the volume */
+    }
+    inside &= low[a] > s->box_low[a] + 0.01 && high[a] < s->box_high[a] - 0.01;
+  }
+  int64_t all;
+  const int64_t occupied = chi_classification_count(m->classification, m->bricks, low, high, &all);
+  const uint8_t crosses = inside ? 0 : CELL_CROSSES_BOX;
+  if (m->keep_all)
+  {
+    return CELL_OCCUPIED | crosses;
+  }
+  if (occupied == 0)
+  {
+    const double group = (double)s->group;
+    atomic_fetch_add(&m->empty_samples, count_inside(m, cx, cy, first * group, last * group));
+    return CELL_EMPTY;
+  }
+  return (uint8_t)(CELL_OCCUPIED | crosses | (occupied < all ? CELL_MIXED : 0));
+}
+
+void chi_march_classify_blocks(void* data, size_t begin, size_t end)
+{
+  march* const m = (march*)data;
+  for (size_t i = begin; i < end && !chi_is_cancelled(m->exec); ++i)
+  {
+    const int64_t block = (int64_t)(i / (size_t)m->cells_y);
+    const int cy = (int)(i % (size_t)m->cells_y);
+    const int sampled =
+      (block + 1) * m->block > m->scene->volume_begin && block * m->block < m->scene->volume_end;
+    for (int cx = 0; cx < m->cells_x; ++cx)
+    {
+      m->cells[i * (size_t)m->cells_x + (size_t)cx] =
+        sampled ? classify_cell(m, block, cx, cy) : CELL_EMPTY;
+    }
+  }
+}
+
+/* Rows of light pixels that a band touches in any slab of a block. */
+void chi_march_band_rows(const march* m, int band, int64_t rows[2])
+{
+  const int64_t first = (int64_t)band * BAND - (int64_t)m->skew * (m->block - 1);
+  const int64_t last = (int64_t)(band + 1) * BAND;
+  rows[0] = first > 0 ? first : 0;
+  rows[1] = last < m->scene->light_height ? last : m->scene->light_height;
+}
+
+/* The last slab in which a ray of this piece of a band may meet something, and the last step that
+ * lights a surface in it; -1 for never. */
+void chi_march_last_slab(const march* m, int band, int segment, int64_t last[2])
+{
+  const chi_scene* const s = m->scene;
+  int64_t rows[2];
+  chi_march_band_rows(m, band, rows);
+  last[0] = last[1] = -1;
+  for (int64_t y = rows[0]; y < rows[1] && m->frame->surface; ++y)
+  {
+    const float step = m->ranges[4 * ((size_t)y * (size_t)m->segments + (size_t)segment) + 3];
+    const int64_t slab = step < (float)s->slabs ? (int64_t)fmaxf(step, -1) : s->slabs;
+    last[1] = slab > last[1] ? slab : last[1];
+  }
+  const int64_t cy0 = rows[0] * s->scale / CHI_CELL_HEIGHT;
+  const int64_t cy1 = (rows[1] * s->scale - 1) / CHI_CELL_HEIGHT;
+  const int64_t width = (int64_t)CHI_SEGMENT * s->scale;
+  const int64_t cx0 = segment * width / CHI_CELL_WIDTH;
+  int64_t cx1 = ((segment + 1) * width - 1) / CHI_CELL_WIDTH;
+  cx1 = cx1 < m->cells_x ? cx1 : m->cells_x - 1;
+  for (int64_t block = m->blocks - 1; block >= 0 && rows[0] < rows[1]; --block)
+  {
+    for (int64_t cy = cy0; cy <= cy1 && cy < m->cells_y; ++cy)
+    {
+      const uint8_t* const cells = m->cells + (block * m->cells_y + cy) * m->cells_x;
+      for (int64_t cx = cx0; cx <= cx1; ++cx)
+      {
+        if (cells[cx] != CELL_EMPTY)
+        {
+          last[0] = (block + 1) * m->block - 1;
+          last[0] = last[0] < s->slabs ? last[0] : s->slabs - 1;
+          return;
+        }
+      }
+    }
+  }
+}
