@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Lays one mapper's picture over the bound frame buffer. Blending is ONE, ONE_MINUS_SRC_ALPHA, so
+// that the alpha written is what the frame buffer's content loses.
+//VTK::System::Dec
+//VTK::Output::Dec
+
+uniform sampler2D layerTexture;      // premultiplied colour and alpha of the volume
+uniform sampler2D visibilityTexture; // of the opaque geometry, 1 where there is none
+uniform sampler2D surfaceTexture;    // lit colour of the opaque geometry, alpha 0 where there is none
+uniform int hasSurface;
+uniform int rewriteSurface; // replace the geometry's pixels instead of darkening them
+in vec2 texCoord;           // 0 to 1 over the viewport
+
+void main()
+{
+  ivec2 pixel = ivec2(texCoord * vec2(textureSize(layerTexture, 0)));
+  vec4 layer = texelFetch(layerTexture, pixel, 0);
+  float keep = 1.0 - layer.a;
+  if (hasSurface != 0)
+  {
+    keep *= texelFetch(visibilityTexture, pixel, 0).r;
+    if (rewriteSurface != 0)
+    {
+      vec4 surface = texelFetch(surfaceTexture, pixel, 0);
+      if (surface.a > 0.0)
+      {
+        layer.rgb += keep * surface.rgb;
+        keep = 0.0;
+      }
+    }
+  }
+  gl_FragData[0] = vec4(layer.rgb, 1.0 - keep);
+}

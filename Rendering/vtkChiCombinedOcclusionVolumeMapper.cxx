@@ -1,0 +1,723 @@
+// SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+// SPDX-License-Identifier: BSD-3-Clause
+#if __has_include("vtk_glad.h")
+#  include "vtk_glad.h"
+#else
+#  include "vtk_glew.h"
+#endif
+#include "vtkChiCombinedOcclusionVolumeMapper.h"
+
+#include "vtkChiCameraView.h"
+#include "vtkChiExec.h"
+#include "vtkChiOcclusionCompositeFS.h"
+#include "vtkChiOcclusionFrame.h"
+#include "vtkChiVolumeInput.h"
+
+#include <chiaroscuro/chi_occlusion.h>
+
+#include "vtkAlgorithm.h"
+#include "vtkDataSet.h"
+#include "vtkFloatArray.h"
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkMath.h"
+#include "vtkMultiVolume.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkOpenGLQuadHelper.h"
+#include "vtkOpenGLRenderPass.h"
+#include "vtkOpenGLRenderWindow.h"
+#include "vtkOpenGLShaderCache.h"
+#include "vtkOpenGLState.h"
+#include "vtkPlaneCollection.h"
+#include "vtkPointData.h"
+#include "vtkPropCollection.h"
+#include "vtkRenderer.h"
+#include "vtkShaderProgram.h"
+#include "vtkTextureObject.h"
+#include "vtkTimerLog.h"
+#include "vtkVolume.h"
+#include "vtkVolumeProperty.h"
+#include "vtkWeakPointer.h"
+
+#include <algorithm>
+#include <limits>
+#include <set>
+#include <string>
+#include <vector>
+
+vtkStandardNewMacro(vtkChiCombinedOcclusionVolumeMapper);
+
+//------------------------------------------------------------------------------
+struct vtkChiCombinedOcclusionVolumeMapper::Internals
+{
+  // collected
+  vtkChiVolumeInput Input;
+  vtkChiCameraView Camera;
+  chi_occlusion_params Params = {};
+  int Viewport[4] = { 0, 0, 0, 0 };
+  bool HasVolume = false;
+  bool Peeling = false; // called by the depth peeling pass, several times a frame
+  bool First = false;   // of the mappers of this class in this frame
+  bool Shared = false;  // other volumes of the renderer have mappers of this class
+
+  vtkWeakPointer<vtkChiOcclusionFrame> Frame;
+  vtkWeakPointer<vtkRenderWindow> Window;
+  chi_occlusion* Renderer = nullptr;
+  chi_occlusion_image Image = {};
+  chi_occlusion_stats Stats = {};
+
+  // drawing
+  vtkOpenGLQuadHelper* Quad = nullptr;
+  vtkWeakPointer<vtkRenderWindow> QuadWindow;
+  vtkNew<vtkTextureObject> Layer;
+  vtkNew<vtkTextureObject> Visibility;
+  bool Uploaded = false; // the textures hold the engine's last picture
+  std::vector<float> Merged;
+
+  double SecondsCollect = 0.0;
+  double SecondsComposite = 0.0;
+  double SecondsTotal = 0.0;
+  std::set<std::string> Said;
+};
+
+namespace
+{
+//------------------------------------------------------------------------------
+bool isPeeling(vtkVolume* volume)
+{
+  vtkInformation* keys = volume->GetPropertyKeys();
+  if (keys && keys->Has(vtkOpenGLRenderPass::RenderPasses()))
+  {
+    const int count = keys->Length(vtkOpenGLRenderPass::RenderPasses());
+    for (int i = 0; i < count; ++i)
+    {
+      if (keys->Get(vtkOpenGLRenderPass::RenderPasses(), i)->IsA("vtkDualDepthPeelingPass"))
+      {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+//------------------------------------------------------------------------------
+int countOcclusionVolumes(vtkRenderer* renderer)
+{
+  int count = 0;
+  vtkCollectionSimpleIterator cookie;
+  vtkPropCollection* props = renderer->GetViewProps();
+  props->InitTraversal(cookie);
+  while (vtkProp* prop = props->GetNextProp(cookie))
+  {
+    vtkVolume* volume = vtkVolume::SafeDownCast(prop);
+    count += volume && volume->GetVisibility() &&
+        vtkChiCombinedOcclusionVolumeMapper::SafeDownCast(volume->GetMapper())
+      ? 1
+      : 0;
+  }
+  return count;
+}
+
+//------------------------------------------------------------------------------
+bool hasTranslucentGeometry(vtkRenderer* renderer)
+{
+  vtkCollectionSimpleIterator cookie;
+  vtkPropCollection* props = renderer->GetViewProps();
+  props->InitTraversal(cookie);
+  while (vtkProp* prop = props->GetNextProp(cookie))
+  {
+    if (prop->GetVisibility() && prop->HasTranslucentPolygonalGeometry())
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
+//------------------------------------------------------------------------------
+// Whether the bound frame buffer holds just what the private buffer holds where there is geometry.
+// In all other cases rewriting pixels would take away what others have drawn.
+bool mayRewriteSurface(vtkRenderer* renderer)
+{
+  int samples = 0;
+  glGetIntegerv(GL_SAMPLES, &samples);
+  return samples <= 1 && !renderer->GetPass() && !renderer->GetUseFXAA() &&
+    !renderer->GetUseShadows() && !renderer->GetUseSSAO() && !renderer->GetUseHiddenLineRemoval() &&
+    !hasTranslucentGeometry(renderer);
+}
+
+//------------------------------------------------------------------------------
+void uploadPlane(vtkTextureObject* texture, vtkOpenGLRenderWindow* window, int width, int height,
+  int components, const float* data)
+{
+  texture->SetContext(window);
+  texture->SetMinificationFilter(vtkTextureObject::Nearest);
+  texture->SetMagnificationFilter(vtkTextureObject::Nearest);
+  // the texture's interface takes no const, and only reads
+  texture->Create2DFromRaw(static_cast<unsigned int>(width), static_cast<unsigned int>(height),
+    components, VTK_FLOAT, const_cast<float*>(data));
+}
+
+//------------------------------------------------------------------------------
+vtkFloatArray* allocateImage(
+  vtkImageData* image, int width, int height, int components, const char* name)
+{
+  image->Initialize();
+  image->SetDimensions(width, height, width > 0 && height > 0 ? 1 : 0);
+  vtkNew<vtkFloatArray> values;
+  values->SetName(name);
+  values->SetNumberOfComponents(components);
+  values->SetNumberOfTuples(static_cast<vtkIdType>(width) * height);
+  image->GetPointData()->SetScalars(values);
+  return vtkFloatArray::SafeDownCast(image->GetPointData()->GetScalars());
+}
+}
+
+//------------------------------------------------------------------------------
+vtkChiCombinedOcclusionVolumeMapper::vtkChiCombinedOcclusionVolumeMapper()
+  : Internal(new Internals)
+{
+}
+
+//------------------------------------------------------------------------------
+vtkChiCombinedOcclusionVolumeMapper::~vtkChiCombinedOcclusionVolumeMapper()
+{
+  delete this->Internal->Quad;
+  chi_occlusion_destroy(nullptr, this->Internal->Renderer);
+}
+
+//------------------------------------------------------------------------------
+void vtkChiCombinedOcclusionVolumeMapper::SetGeometryOcclusion(bool on)
+{
+  this->SetVolumeToGeometry(on);
+  this->SetGeometryToVolume(on);
+  this->SetGeometryToGeometry(on);
+}
+
+//------------------------------------------------------------------------------
+void vtkChiCombinedOcclusionVolumeMapper::SayOnce(const char* what, bool isError)
+{
+  if (!this->Internal->Said.insert(what).second)
+  {
+    return;
+  }
+  if (isError)
+  {
+    vtkErrorMacro(<< what);
+  }
+  else
+  {
+    vtkWarningMacro(<< what);
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkChiCombinedOcclusionVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume)
+{
+  Internals& in = *this->Internal;
+  in.Window = renderer->GetRenderWindow();
+  if (renderer->GetSelector() || !vtkOpenGLRenderWindow::SafeDownCast(in.Window))
+  {
+    return; // what would be painted into a selection buffer would be read as ids
+  }
+  const double start = vtkTimerLog::GetUniversalTime();
+  in.Frame = vtkChiOcclusionFrame::Get(renderer);
+  in.Peeling = isPeeling(volume);
+  if (in.Frame->HasDrawn(volume))
+  {
+    if (in.Peeling)
+    {
+      return;
+    }
+    in.Frame->BeginFrame();
+  }
+  if (this->Collect(renderer, volume))
+  {
+    in.SecondsCollect = vtkTimerLog::GetUniversalTime() - start;
+    this->Surface(renderer);
+    if (this->RenderEngine())
+    {
+      this->Composite(renderer, volume);
+    }
+  }
+  in.SecondsTotal = vtkTimerLog::GetUniversalTime() - start;
+  this->Report();
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiCombinedOcclusionVolumeMapper::Collect(vtkRenderer* renderer, vtkVolume* volume)
+{
+  Internals& in = *this->Internal;
+  in.Image = {};
+  // the viewport that is set, not the renderer's place in the window: render passes draw elsewhere
+  glGetIntegerv(GL_VIEWPORT, in.Viewport);
+  if (in.Viewport[2] < 1 || in.Viewport[3] < 1)
+  {
+    return false;
+  }
+  const char* reason = in.Camera.Collect(renderer, in.Viewport[2], in.Viewport[3]);
+  if (reason)
+  {
+    this->SayOnce((std::string("nothing is drawn: ") + reason).c_str(), true);
+    return false;
+  }
+  if (in.Camera.GetLimit())
+  {
+    this->SayOnce(in.Camera.GetLimit());
+  }
+  in.First = in.Frame->IsFirst();
+  in.Shared = countOcclusionVolumes(renderer) > 1;
+
+  if (this->GetInputAlgorithm())
+  {
+    this->GetInputAlgorithm()->Update();
+  }
+  in.HasVolume =
+    in.Input.Collect(this, this->GetInput(), this->ScalarMode, volume, in.Camera.GetWorld());
+  if (!in.HasVolume && !in.Input.IsEmpty())
+  {
+    this->SayOnce(in.Input.GetProblem().c_str(), true);
+  }
+  for (const std::string& limit : in.Input.GetLimits())
+  {
+    this->SayOnce(limit.c_str());
+  }
+  if (in.HasVolume)
+  {
+    this->CollectUnsupported(volume);
+  }
+  this->CollectParameters();
+  return true;
+}
+
+//------------------------------------------------------------------------------
+void vtkChiCombinedOcclusionVolumeMapper::CollectUnsupported(vtkVolume* volume)
+{
+  vtkVolumeProperty* property = volume->GetProperty();
+  const auto check = [this](bool asked, const char* what)
+  {
+    if (asked)
+    {
+      this->SayOnce(what);
+    }
+  };
+  check(property->GetShade(0) != 0,
+    "shading by gradients (vtkVolumeProperty::ShadeOn) is not supported yet: the volume is shaded "
+    "by "
+    "occlusion alone");
+  check(property->HasGradientOpacity(0) && !property->GetDisableGradientOpacity(0),
+    "gradient opacity (vtkVolumeProperty) is not supported yet: scalar opacity alone is used");
+  check(property->GetTransferFunctionMode() == vtkVolumeProperty::TF_2D,
+    "two-dimensional transfer functions (vtkVolumeProperty) are not supported yet: the "
+    "one-dimensional ones are used");
+  check(!property->GetLabelMapLabels().empty(),
+    "label maps (vtkVolumeProperty) are not supported yet: labels are ignored");
+  check(this->BlendMode != COMPOSITE_BLEND,
+    "only the composite blend mode is supported yet: composite is used");
+  check(this->Cropping != 0, "cropping is not supported yet: the whole volume is drawn");
+  check(this->ClippingPlanes && this->ClippingPlanes->GetNumberOfItems() > 0,
+    "clipping planes are not supported yet: the whole volume is drawn");
+  check(vtkMultiVolume::SafeDownCast(volume) != nullptr,
+    "vtkMultiVolume is not supported: this mapper's own input is drawn");
+  check(this->Internal->Peeling,
+    "depth peeling for volumes (vtkRenderer::SetUseDepthPeelingForVolumes) is not supported yet: "
+    "the "
+    "volume is drawn below all translucent geometry");
+  if (this->Engine == ENGINE_OPENGL)
+  {
+    this->SayOnce("the OpenGL engine is not there yet: the CPU engine renders", true);
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkChiCombinedOcclusionVolumeMapper::CollectParameters()
+{
+  Internals& in = *this->Internal;
+  chi_occlusion_params& params = in.Params;
+  chi_occlusion_default_params(&params);
+  params.method =
+    this->OcclusionMethod == PUBLISHED ? CHI_OCCLUSION_PUBLISHED : CHI_OCCLUSION_ORDINATES;
+  params.directions = this->NumberOfDirections;
+  params.half_size = this->OcclusionResolution == HALF ? 1 : 0;
+  params.interactions = (this->VolumeToVolume ? CHI_VOLUME_TO_VOLUME : 0) |
+    (this->VolumeToGeometry ? CHI_VOLUME_TO_GEOMETRY : 0) |
+    (this->GeometryToVolume ? CHI_GEOMETRY_TO_VOLUME : 0) |
+    // geometry darkens itself once a frame, not once a volume
+    (this->GeometryToGeometry && in.First ? CHI_GEOMETRY_TO_GEOMETRY : 0);
+  params.cone_angle_rad = vtkMath::RadiansFromDegrees(this->ConeAngle);
+  params.strength = this->OcclusionStrength;
+  params.sample_distance = this->SampleDistance;
+  params.bias = this->OcclusionBias;
+  params.geometry_thickness = this->GeometryThickness >= VTK_DOUBLE_MAX
+    ? std::numeric_limits<double>::infinity()
+    : this->GeometryThickness;
+  params.skip = this->Skipping ? 1 : 0;
+}
+
+//------------------------------------------------------------------------------
+void vtkChiCombinedOcclusionVolumeMapper::Surface(vtkRenderer* renderer)
+{
+  Internals& in = *this->Internal;
+  in.Frame->GetGeometry()->Update(renderer, in.Camera, in.Viewport[2], in.Viewport[3]);
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiCombinedOcclusionVolumeMapper::RenderEngine()
+{
+  Internals& in = *this->Internal;
+  const vtkChiExec exec(nullptr); // no events while drawing, so no abort and no progress
+  if (!in.Renderer)
+  {
+    const chi_status created = chi_occlusion_create(exec.Get(), &in.Renderer);
+    if (created != CHI_OK)
+    {
+      this->SayOnce(chi_status_string(created), true);
+      return false;
+    }
+  }
+  const chi_surface_view* surface = in.Frame->GetGeometry()->GetView();
+  if (!in.HasVolume && !surface)
+  {
+    in.Stats = {};
+    return false; // nothing there, nothing wrong
+  }
+  chi_occlusion_frame frame = {};
+  frame.struct_size = sizeof(frame);
+  frame.camera = in.Camera.Get();
+  frame.volume = in.HasVolume ? in.Input.GetVolume() : nullptr;
+  frame.transfer = in.HasVolume ? in.Input.GetTransfer() : nullptr;
+  frame.surface = surface;
+  frame.params = &in.Params;
+  const chi_status status = chi_occlusion_render(exec.Get(), in.Renderer, &frame);
+  in.Stats.struct_size = sizeof(in.Stats);
+  chi_occlusion_get_stats(in.Renderer, &in.Stats);
+  if (status != CHI_OK)
+  {
+    in.Uploaded = false;
+    std::string text = std::string("the occlusion engine gave up: ") + chi_status_string(status);
+    if (status == CHI_ERROR_TOO_LARGE)
+    {
+      text +=
+        " (SampleDistance " + std::to_string(this->SampleDistance) + " asks for too many slices)";
+    }
+    this->SayOnce(text.c_str(), true);
+    return false;
+  }
+  chi_occlusion_get_image(in.Renderer, &in.Image);
+  in.Uploaded = in.Uploaded && in.Stats.reused;
+  return in.Image.rgba != nullptr;
+}
+
+//------------------------------------------------------------------------------
+void vtkChiCombinedOcclusionVolumeMapper::Composite(vtkRenderer* renderer, vtkVolume* volume)
+{
+  Internals& in = *this->Internal;
+  const double start = vtkTimerLog::GetUniversalTime();
+  vtkOpenGLRenderWindow* window = vtkOpenGLRenderWindow::SafeDownCast(in.Window);
+  vtkChiGeometryBuffer* geometry = in.Frame->GetGeometry();
+  const bool hasSurface = geometry->GetView() != nullptr;
+  in.Frame->AddLayer(
+    volume, in.Camera.Get(), in.HasVolume ? in.Input.GetVolume() : nullptr, &in.Image, in.Shared);
+
+  // upload
+  const bool merged = in.Shared && !in.First;
+  if (merged)
+  {
+    in.Frame->MergeLastLayer(in.Merged);
+  }
+  if (!in.Uploaded || merged || !in.Layer->GetHandle())
+  {
+    const bool useMerged = merged && !in.Merged.empty();
+    uploadPlane(in.Layer, window, in.Image.width, in.Image.height, 4,
+      useMerged ? in.Merged.data() : in.Image.rgba);
+    uploadPlane(in.Visibility, window, in.Image.width, in.Image.height, 1, in.Image.visibility);
+    in.Uploaded = !merged;
+  }
+
+  // While volumes are peeled a buffer of the peeling pass is bound for drawing; the frame buffer
+  // that holds the opaque geometry is the one bound for reading.
+  vtkOpenGLState* state = window->GetState();
+  vtkOpenGLState::ScopedglViewport viewport(state);
+  vtkOpenGLState::ScopedglScissor scissor(state);
+  if (in.Peeling)
+  {
+    int target = 0;
+    glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &target);
+    state->PushFramebufferBindings();
+    state->vtkglBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<unsigned int>(target));
+    int size[2];
+    int origin[2];
+    renderer->GetTiledSizeAndOrigin(&size[0], &size[1], &origin[0], &origin[1]);
+    state->vtkglViewport(origin[0], origin[1], in.Viewport[2], in.Viewport[3]);
+    state->vtkglScissor(origin[0], origin[1], in.Viewport[2], in.Viewport[3]);
+  }
+
+  if (in.Quad && in.QuadWindow.GetPointer() != window)
+  {
+    delete in.Quad;
+    in.Quad = nullptr;
+  }
+  if (!in.Quad)
+  {
+    in.QuadWindow = window;
+    in.Quad = new vtkOpenGLQuadHelper(window, nullptr, vtkChiOcclusionCompositeFS, "");
+  }
+  else
+  {
+    window->GetShaderCache()->ReadyShaderProgram(in.Quad->Program);
+  }
+  if (in.Quad->Program)
+  {
+    vtkOpenGLState::ScopedglEnableDisable blend(state, GL_BLEND);
+    vtkOpenGLState::ScopedglEnableDisable depthTest(state, GL_DEPTH_TEST);
+    vtkOpenGLState::ScopedglEnableDisable cullFace(state, GL_CULL_FACE);
+    vtkOpenGLState::ScopedglBlendFuncSeparate blendFunction(state);
+    vtkOpenGLState::ScopedglDepthMask depthMask(state);
+    state->vtkglEnable(GL_BLEND);
+    state->vtkglBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    state->vtkglDisable(GL_DEPTH_TEST); // the picture ends at the geometry by itself
+    state->vtkglDepthMask(GL_FALSE);
+    state->vtkglDisable(GL_CULL_FACE);
+
+    vtkTextureObject* color = hasSurface ? geometry->GetColor() : in.Layer.GetPointer();
+    vtkTextureObject* textures[3] = { in.Layer, in.Visibility, color };
+    const char* names[3] = { "layerTexture", "visibilityTexture", "surfaceTexture" };
+    vtkShaderProgram* program = in.Quad->Program;
+    for (int i = 0; i < (hasSurface ? 3 : 2); ++i)
+    {
+      textures[i]->Activate();
+      program->SetUniformi(names[i], textures[i]->GetTextureUnit());
+    }
+    if (!hasSurface)
+    {
+      program->SetUniformi(names[2], in.Layer->GetTextureUnit()); // declared, not read
+    }
+    program->SetUniformi("hasSurface", hasSurface ? 1 : 0);
+    program->SetUniformi(
+      "rewriteSurface", hasSurface && in.First && mayRewriteSurface(renderer) ? 1 : 0);
+    in.Quad->Render();
+    for (int i = 0; i < (hasSurface ? 3 : 2); ++i)
+    {
+      textures[i]->Deactivate();
+    }
+  }
+  else
+  {
+    this->SayOnce("the shader that draws the picture could not be built", true);
+  }
+  if (in.Peeling)
+  {
+    state->PopFramebufferBindings();
+  }
+  in.SecondsComposite = vtkTimerLog::GetUniversalTime() - start;
+}
+
+//------------------------------------------------------------------------------
+void vtkChiCombinedOcclusionVolumeMapper::Report()
+{
+  Internals& in = *this->Internal;
+  this->TimeToDraw = in.SecondsTotal;
+  if (in.Image.rgba == nullptr)
+  {
+    in.SecondsComposite = 0.0;
+  }
+  if (in.HasVolume && in.Stats.non_finite_samples > 0)
+  {
+    this->SayOnce("the input has NaN or infinite voxels: they, and the cells that they touch, are "
+                  "transparent (GetNumberOfNonFiniteSamples counts them)");
+  }
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiCombinedOcclusionVolumeMapper::GetVisibilityImage(vtkImageData* image)
+{
+  if (!image)
+  {
+    vtkErrorMacro("GetVisibilityImage needs a vtkImageData to write into.");
+    return false;
+  }
+  const chi_occlusion_image& from = this->Internal->Image;
+  vtkFloatArray* values = allocateImage(
+    image, from.visibility ? from.width : 0, from.visibility ? from.height : 0, 1, "Visibility");
+  if (!from.visibility)
+  {
+    return false;
+  }
+  std::copy_n(from.visibility, values->GetNumberOfTuples(), values->GetPointer(0));
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiCombinedOcclusionVolumeMapper::GetFloatImage(vtkImageData* image)
+{
+  if (!image)
+  {
+    vtkErrorMacro("GetFloatImage needs a vtkImageData to write into.");
+    return false;
+  }
+  Internals& in = *this->Internal;
+  const chi_occlusion_image& from = in.Image;
+  vtkFloatArray* values =
+    allocateImage(image, from.rgba ? from.width : 0, from.rgba ? from.height : 0, 4, "RGBA");
+  if (!from.rgba)
+  {
+    return false;
+  }
+  const vtkIdType pixels = values->GetNumberOfTuples();
+  float* to = values->GetPointer(0);
+  std::copy_n(from.rgba, 4 * pixels, to);
+
+  vtkChiGeometryBuffer* geometry = in.Frame ? in.Frame->GetGeometry() : nullptr;
+  if (!geometry || !geometry->GetView())
+  {
+    return true;
+  }
+  std::vector<float> surface;
+  if (geometry->GetWidth() != from.width || geometry->GetHeight() != from.height ||
+    !geometry->ReadColor(vtkOpenGLRenderWindow::SafeDownCast(in.Window), surface))
+  {
+    vtkErrorMacro(
+      "GetFloatImage cannot read the colours of the opaque geometry: the window is gone or "
+      "has drawn another size since.");
+    return false;
+  }
+  for (vtkIdType pixel = 0; pixel < pixels; ++pixel)
+  {
+    const float* lit = surface.data() + 4 * pixel;
+    if (lit[3] > 0.0f)
+    {
+      float* target = to + 4 * pixel;
+      const float through = 1.0f - target[3];
+      for (int c = 0; c < 3; ++c)
+      {
+        target[c] += through * from.visibility[pixel] * lit[c];
+      }
+      target[3] = 1.0f;
+    }
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+vtkIdType vtkChiCombinedOcclusionVolumeMapper::GetNumberOfSamples()
+{
+  return static_cast<vtkIdType>(this->Internal->Stats.samples);
+}
+vtkIdType vtkChiCombinedOcclusionVolumeMapper::GetNumberOfSkippedSamples()
+{
+  return static_cast<vtkIdType>(this->Internal->Stats.skipped_samples);
+}
+vtkIdType vtkChiCombinedOcclusionVolumeMapper::GetNumberOfSlices()
+{
+  return static_cast<vtkIdType>(this->Internal->Stats.slices);
+}
+vtkIdType vtkChiCombinedOcclusionVolumeMapper::GetNumberOfLightUpdates()
+{
+  return static_cast<vtkIdType>(this->Internal->Stats.light_updates);
+}
+vtkIdType vtkChiCombinedOcclusionVolumeMapper::GetNumberOfSkippedLightUpdates()
+{
+  return static_cast<vtkIdType>(this->Internal->Stats.skipped_light_updates);
+}
+vtkIdType vtkChiCombinedOcclusionVolumeMapper::GetNumberOfNonFiniteSamples()
+{
+  return static_cast<vtkIdType>(this->Internal->Stats.non_finite_samples);
+}
+double vtkChiCombinedOcclusionVolumeMapper::GetSecondsCollect()
+{
+  return this->Internal->SecondsCollect;
+}
+double vtkChiCombinedOcclusionVolumeMapper::GetSecondsGeometry()
+{
+  vtkChiOcclusionFrame* frame = this->Internal->Frame;
+  return frame ? frame->GetGeometry()->GetSecondsDraw() : 0.0;
+}
+double vtkChiCombinedOcclusionVolumeMapper::GetSecondsReadBack()
+{
+  vtkChiOcclusionFrame* frame = this->Internal->Frame;
+  return frame ? frame->GetGeometry()->GetSecondsReadBack() : 0.0;
+}
+double vtkChiCombinedOcclusionVolumeMapper::GetSecondsBricks()
+{
+  return this->Internal->Stats.seconds_bricks;
+}
+double vtkChiCombinedOcclusionVolumeMapper::GetSecondsClassification()
+{
+  return this->Internal->Stats.seconds_classification;
+}
+double vtkChiCombinedOcclusionVolumeMapper::GetSecondsVisibleSet()
+{
+  return this->Internal->Stats.seconds_visible_set;
+}
+double vtkChiCombinedOcclusionVolumeMapper::GetSecondsSlices()
+{
+  return this->Internal->Stats.seconds_slices;
+}
+double vtkChiCombinedOcclusionVolumeMapper::GetSecondsEngine()
+{
+  return this->Internal->Stats.seconds_total;
+}
+double vtkChiCombinedOcclusionVolumeMapper::GetSecondsComposite()
+{
+  return this->Internal->SecondsComposite;
+}
+double vtkChiCombinedOcclusionVolumeMapper::GetSecondsTotal()
+{
+  return this->Internal->SecondsTotal;
+}
+bool vtkChiCombinedOcclusionVolumeMapper::GetReusedLastFrame()
+{
+  return this->Internal->Stats.reused != 0;
+}
+bool vtkChiCombinedOcclusionVolumeMapper::GetReusedGeometry()
+{
+  vtkChiOcclusionFrame* frame = this->Internal->Frame;
+  return frame && frame->GetGeometry()->GetReused();
+}
+const char* vtkChiCombinedOcclusionVolumeMapper::GetInstructionSet()
+{
+  return chi_occlusion_instruction_set();
+}
+
+//------------------------------------------------------------------------------
+void vtkChiCombinedOcclusionVolumeMapper::ReleaseGraphicsResources(vtkWindow* window)
+{
+  Internals& in = *this->Internal;
+  delete in.Quad;
+  in.Quad = nullptr;
+  in.Uploaded = false;
+  if (!window) // vtkRenderer::SetRenderWindow says so before the first frame
+  {
+    return;
+  }
+  in.Layer->ReleaseGraphicsResources(window);
+  in.Visibility->ReleaseGraphicsResources(window);
+  if (in.Frame)
+  {
+    in.Frame->GetGeometry()->ReleaseGraphicsResources(window);
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkChiCombinedOcclusionVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "ConeAngle: " << this->ConeAngle << "\n";
+  os << indent << "NumberOfDirections: " << this->NumberOfDirections << "\n";
+  os << indent << "SampleDistance: " << this->SampleDistance << "\n";
+  os << indent << "OcclusionStrength: " << this->OcclusionStrength << "\n";
+  os << indent << "OcclusionBias: " << this->OcclusionBias << "\n";
+  os << indent << "GeometryThickness: " << this->GeometryThickness << "\n";
+  os << indent << "OcclusionResolution: " << (this->OcclusionResolution == HALF ? "Half" : "Full")
+     << "\n";
+  os << indent
+     << "OcclusionMethod: " << (this->OcclusionMethod == PUBLISHED ? "Published" : "Ordinates")
+     << "\n";
+  os << indent << "Engine: " << this->Engine << "\n";
+  os << indent << "VolumeToVolume: " << this->VolumeToVolume << "\n";
+  os << indent << "VolumeToGeometry: " << this->VolumeToGeometry << "\n";
+  os << indent << "GeometryToVolume: " << this->GeometryToVolume << "\n";
+  os << indent << "GeometryToGeometry: " << this->GeometryToGeometry << "\n";
+  os << indent << "Skipping: " << this->Skipping << "\n";
+}

@@ -1,0 +1,317 @@
+// SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkChiCombinedOcclusionVolumeMapper
+ * @brief   draw a volume that shades itself and the opaque geometry around it, and is shaded by it
+ *
+ * A cone of light falls from the eye along every line of sight. What absorbs it, voxels and opaque
+ * geometry alike, darkens what lies behind: the volume darkens itself, the volume darkens the
+ * geometry in and behind it, the geometry darkens the volume, and geometry darkens geometry. The
+ * picture needs no light set up and looks alike from any camera, in perspective and parallel
+ * projection.
+ *
+ * Set it as the mapper of a vtkVolume, as any volume mapper; opaque actors of the same renderer
+ * take part without being told. The mapper draws them once more into a private buffer (colour and
+ * depth) where they, the camera or the lights have changed; no render pass needs to be set, the
+ * stock pipeline stays as it is.
+ *
+ * <b>What is honoured.</b> Input vtkImageData (vtkRectilinearGrid is resampled, with a warning);
+ * scalars of every VTK type, of points or cells, chosen with SetScalarMode and SelectScalarArray;
+ * the volume's full matrix (user matrix, non-uniform scale, mirror), spacing of any sign, direction
+ * matrix, extent; of the vtkVolumeProperty the colour function (RGB or gray), the scalar opacity,
+ * its unit distance, nearest or linear interpolation. Blending is composite.
+ *
+ * <b>What is not supported yet</b> is named in a warning, once for each cause, and the picture is
+ * drawn without it: shading by gradients, gradient opacity, two-dimensional transfer functions,
+ * several components (the first one is drawn), other blend modes, cropping, clipping planes, label
+ * maps, blanking, cubic interpolation, depth peeling for volumes (the volume is then drawn below
+ * all translucent geometry), sheared projections.
+ *
+ * <b>Opaque geometry.</b> The pixels of opaque geometry are rewritten once a frame, by the first of
+ * these mappers: shaded colour times visibility, under the volume. Where rewriting would lose what
+ * the frame already holds (a multisampled frame buffer, FXAA, shadows, screen-space occlusion,
+ * a custom render pass, translucent geometry), and for further mappers, the pixels are darkened
+ * by the visibility instead, which differs by the rounding of the frame buffer only. The whole lit
+ * colour is darkened, highlights included.
+ *
+ * <b>Several volumes</b> in a renderer do not shade each other; each shades, and is shaded by, the
+ * geometry. Disjoint volumes are composited in the order of their depth at each pixel, whatever the
+ * order in which they were added; where volumes overlap, the one whose box the ray enters first is
+ * taken to lie in front. Other mappers' volumes are drawn in the order of insertion, as VTK does.
+ *
+ * <b>Limits.</b> VTK does not draw volumes whose box lies outside the view, so that a renderer
+ * whose only such volume has left the picture shows its geometry unshaded. In ParaView's parallel
+ * rendering each process shades with its own part of the data only.
+ *
+ * Source: Schott, Martin, Grosset, Smith and Hansen, "Ambient Occlusion Effects for Combined
+ * Volumes and Tubular Geometry", IEEE TVCG 19(6), 2013; the numerics are those of chi_occlusion.h.
+ *
+ * @sa vtkVolume vtkVolumeProperty vtkGPUVolumeRayCastMapper
+ */
+
+#ifndef vtkChiCombinedOcclusionVolumeMapper_h
+#define vtkChiCombinedOcclusionVolumeMapper_h
+
+#include "vtkChiRenderingModule.h" // for export macro
+#include "vtkVolumeMapper.h"
+
+#include <memory> // for std::unique_ptr
+
+class VTKCHIRENDERING_EXPORT vtkChiCombinedOcclusionVolumeMapper : public vtkVolumeMapper
+{
+public:
+  static vtkChiCombinedOcclusionVolumeMapper* New();
+  vtkTypeMacro(vtkChiCombinedOcclusionVolumeMapper, vtkVolumeMapper);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  enum OcclusionMethods
+  {
+    ORDINATES = 0,
+    PUBLISHED = 1
+  };
+  enum OcclusionResolutions
+  {
+    FULL = 0,
+    HALF = 1
+  };
+  enum Engines
+  {
+    ENGINE_AUTO = 0,
+    ENGINE_CPU = 1,
+    ENGINE_OPENGL = 2
+  };
+
+  ///@{
+  /**
+   * Half angle of the cone of light, in degrees, 1 to 85. A wide cone gives soft, far-reaching
+   * darkening, a narrow one hard shadows straight behind things. Default 45.
+   */
+  vtkSetClampMacro(ConeAngle, double, 1.0, 85.0);
+  vtkGetMacro(ConeAngle, double);
+  ///@}
+
+  ///@{
+  /**
+   * Number of directions, of equal solid angle, that the cone is cut into, 4 to 64. The error
+   * falls, and the time rises, about in proportion. With the published method, the number of taps
+   * of its blur. Default 16.
+   */
+  vtkSetClampMacro(NumberOfDirections, int, 4, 64);
+  vtkGetMacro(NumberOfDirections, int);
+  ///@}
+
+  ///@{
+  /**
+   * Distance between the slices along the view axis, in world units. 0, the default, takes it from
+   * the spacing of the input: one slice a voxel.
+   */
+  vtkSetClampMacro(SampleDistance, double, 0.0, VTK_DOUBLE_MAX);
+  vtkGetMacro(SampleDistance, double);
+  ///@}
+
+  ///@{
+  /**
+   * How much of the darkening is applied: 0 is an unshaded ray cast of the same samples, 1, the
+   * default, the full darkening.
+   */
+  vtkSetClampMacro(OcclusionStrength, double, 0.0, 1.0);
+  vtkGetMacro(OcclusionStrength, double);
+  ///@}
+
+  ///@{
+  /**
+   * Visibility is read this much nearer to the eye than the sample, in world units; without it an
+   * opaque surface shadows itself to half its brightness. Negative values, the default being -1,
+   * stand for 1.5 voxels.
+   */
+  vtkSetMacro(OcclusionBias, double);
+  vtkGetMacro(OcclusionBias, double);
+  ///@}
+
+  ///@{
+  /**
+   * Opaque geometry blocks the light from its visible surface over this distance behind it, in
+   * world units. Only the first surface along each line of sight is known, so this is how thick
+   * things are taken to be. 0, the default, is one slice. Infinite thickness is the published
+   * algorithm (Schott et al. 2013, algorithm 3), which gives every fibre a halo that does not fall
+   * off with distance.
+   */
+  vtkSetClampMacro(GeometryThickness, double, 0.0, VTK_DOUBLE_MAX);
+  vtkGetMacro(GeometryThickness, double);
+  void SetGeometryThicknessToInfinity() { this->SetGeometryThickness(VTK_DOUBLE_MAX); }
+  ///@}
+
+  ///@{
+  /**
+   * Resolution of the light buffers: that of the picture, or half of it in both directions (the
+   * default), which is several times faster and at 16 directions also smoother.
+   */
+  vtkSetClampMacro(OcclusionResolution, int, FULL, HALF);
+  vtkGetMacro(OcclusionResolution, int);
+  void SetOcclusionResolutionToFull() { this->SetOcclusionResolution(FULL); }
+  void SetOcclusionResolutionToHalf() { this->SetOcclusionResolution(HALF); }
+  ///@}
+
+  ///@{
+  /**
+   * How light is carried from slice to slice: by discrete ordinates (the default), one buffer a
+   * direction, shifted by its own constant offset; or by the published rule (Schott et al. 2013),
+   * one buffer blurred in each slice, for reproduction: it washes out as slices are added.
+   */
+  vtkSetClampMacro(OcclusionMethod, int, ORDINATES, PUBLISHED);
+  vtkGetMacro(OcclusionMethod, int);
+  void SetOcclusionMethodToOrdinates() { this->SetOcclusionMethod(ORDINATES); }
+  void SetOcclusionMethodToPublished() { this->SetOcclusionMethod(PUBLISHED); }
+  ///@}
+
+  ///@{
+  /**
+   * Who darkens whom; all on by default. SetGeometryOcclusion sets the three that involve geometry.
+   */
+  vtkSetMacro(VolumeToVolume, bool);
+  vtkGetMacro(VolumeToVolume, bool);
+  vtkBooleanMacro(VolumeToVolume, bool);
+  vtkSetMacro(VolumeToGeometry, bool);
+  vtkGetMacro(VolumeToGeometry, bool);
+  vtkBooleanMacro(VolumeToGeometry, bool);
+  vtkSetMacro(GeometryToVolume, bool);
+  vtkGetMacro(GeometryToVolume, bool);
+  vtkBooleanMacro(GeometryToVolume, bool);
+  vtkSetMacro(GeometryToGeometry, bool);
+  vtkGetMacro(GeometryToGeometry, bool);
+  vtkBooleanMacro(GeometryToGeometry, bool);
+  void SetGeometryOcclusion(bool on);
+  ///@}
+
+  ///@{
+  /**
+   * Which engine renders. Auto, the default, is the CPU engine; the OpenGL engine does not exist
+   * yet, asking for it gives an error message and the CPU engine.
+   */
+  vtkSetClampMacro(Engine, int, ENGINE_AUTO, ENGINE_OPENGL);
+  vtkGetMacro(Engine, int);
+  void SetEngineToAuto() { this->SetEngine(ENGINE_AUTO); }
+  void SetEngineToCPU() { this->SetEngine(ENGINE_CPU); }
+  void SetEngineToOpenGL() { this->SetEngine(ENGINE_OPENGL); }
+  ///@}
+
+  ///@{
+  /**
+   * Leave out work that cannot change the picture by more than 1/255: empty bricks, saturated rays,
+   * what lies behind opaque geometry, light that nothing visible receives. Default on; the switch
+   * is there to prove that it changes nothing.
+   */
+  vtkSetMacro(Skipping, bool);
+  vtkGetMacro(Skipping, bool);
+  vtkBooleanMacro(Skipping, bool);
+  ///@}
+
+  /**
+   * Copy the last frame of this mapper into `image`: point scalars "RGBA", four floats a pixel,
+   * premultiplied colour and alpha, of the volume over the shaded opaque geometry, without
+   * background, without other volumes and before any rounding to 8 bits. Pixel (0, 0, 0) is the
+   * lower left of the viewport. Returns false, with an empty image, where nothing has been drawn.
+   * The window must still exist: the colours of the geometry are read back here.
+   */
+  bool GetFloatImage(vtkImageData* image);
+
+  /**
+   * Copy the visibility of the opaque geometry in the last frame into `image`: point scalars
+   * "Visibility", one float a pixel, after strength; 1 where there is no geometry.
+   */
+  bool GetVisibilityImage(vtkImageData* image);
+
+  ///@{
+  /**
+   * Counters of the last frame: volume samples fetched and classified; samples inside the volume's
+   * footprint that were not needed; slices; updates of light buffers carried out and left out;
+   * NaN and infinite voxels, which are transparent.
+   */
+  vtkIdType GetNumberOfSamples();
+  vtkIdType GetNumberOfSkippedSamples();
+  vtkIdType GetNumberOfSlices();
+  vtkIdType GetNumberOfLightUpdates();
+  vtkIdType GetNumberOfSkippedLightUpdates();
+  vtkIdType GetNumberOfNonFiniteSamples();
+  ///@}
+
+  ///@{
+  /**
+   * Wall-clock seconds of the last frame, stage by stage: looking at inputs and transfer functions;
+   * drawing opaque geometry into the private buffer; reading its depth back; min-max bricks;
+   * their classification; the visible set; the slices; the whole engine; drawing the result into
+   * the frame buffer; everything. OpenGL works behind the scenes: drawing that was only queued is
+   * paid for in the next read-back, ours or the window's.
+   */
+  double GetSecondsCollect();
+  double GetSecondsGeometry();
+  double GetSecondsReadBack();
+  double GetSecondsBricks();
+  double GetSecondsClassification();
+  double GetSecondsVisibleSet();
+  double GetSecondsSlices();
+  double GetSecondsEngine();
+  double GetSecondsComposite();
+  double GetSecondsTotal();
+  ///@}
+
+  ///@{
+  /**
+   * Whether nothing had changed since the frame before, so that its picture was drawn again; and
+   * the same of the buffer of opaque geometry alone.
+   */
+  bool GetReusedLastFrame();
+  bool GetReusedGeometry();
+  ///@}
+
+  /**
+   * Instruction set that the CPU engine runs with: "avx512", "avx2" or "generic".
+   */
+  const char* GetInstructionSet();
+
+  /**
+   * Called by vtkVolume. Draws into the frame buffer that is bound, within the viewport that is
+   * set; draws nothing while a selection is made.
+   */
+  void Render(vtkRenderer* renderer, vtkVolume* volume) override;
+  void ReleaseGraphicsResources(vtkWindow* window) override;
+
+protected:
+  vtkChiCombinedOcclusionVolumeMapper();
+  ~vtkChiCombinedOcclusionVolumeMapper() override;
+
+  double ConeAngle = 45.0;
+  int NumberOfDirections = 16;
+  double SampleDistance = 0.0;
+  double OcclusionStrength = 1.0;
+  double OcclusionBias = -1.0;
+  double GeometryThickness = 0.0;
+  int OcclusionResolution = HALF;
+  int OcclusionMethod = ORDINATES;
+  int Engine = ENGINE_AUTO;
+  bool VolumeToVolume = true;
+  bool VolumeToGeometry = true;
+  bool GeometryToVolume = true;
+  bool GeometryToGeometry = true;
+  bool Skipping = true;
+
+private:
+  vtkChiCombinedOcclusionVolumeMapper(const vtkChiCombinedOcclusionVolumeMapper&) = delete;
+  void operator=(const vtkChiCombinedOcclusionVolumeMapper&) = delete;
+
+  // The five steps of a frame, in their order.
+  bool Collect(vtkRenderer* renderer, vtkVolume* volume);
+  void Surface(vtkRenderer* renderer);
+  bool RenderEngine();
+  void Composite(vtkRenderer* renderer, vtkVolume* volume);
+  void Report();
+
+  void CollectUnsupported(vtkVolume* volume);
+  void CollectParameters();
+  void SayOnce(const char* what, bool isError = false);
+
+  struct Internals;
+  std::unique_ptr<Internals> Internal;
+};
+
+#endif

@@ -1,0 +1,257 @@
+// SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+// SPDX-License-Identifier: BSD-3-Clause
+#if __has_include("vtk_glad.h")
+#  include "vtk_glad.h"
+#else
+#  include "vtk_glew.h"
+#endif
+#include "vtkChiGeometryBuffer.h"
+
+#include "vtkActor.h"
+#include "vtkActor2D.h"
+#include "vtkAlgorithm.h"
+#include "vtkCollection.h"
+#include "vtkDataObject.h"
+#include "vtkLight.h"
+#include "vtkLightCollection.h"
+#include "vtkMapper.h"
+#include "vtkOpenGLRenderWindow.h"
+#include "vtkOpenGLState.h"
+#include "vtkPropCollection.h"
+#include "vtkTexture.h"
+#include "vtkTimerLog.h"
+#include "vtkVolume.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+namespace
+{
+std::uint64_t bits(double value)
+{
+  std::uint64_t pattern = 0;
+  std::memcpy(&pattern, &value, sizeof(pattern));
+  return pattern;
+}
+
+std::uint64_t bits(const void* pointer)
+{
+  return static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(pointer));
+}
+
+// When anything that this prop draws was last modified. vtkActor looks at its first input only; a
+// glyph's shape comes in by the second.
+vtkMTimeType redrawTime(vtkProp* prop)
+{
+  vtkMTimeType time = std::max(prop->GetMTime(), prop->GetRedrawMTime());
+  vtkActor* actor = vtkActor::SafeDownCast(prop);
+  vtkMapper* mapper = actor ? actor->GetMapper() : nullptr;
+  if (mapper)
+  {
+    for (int port = 0; port < mapper->GetNumberOfInputPorts(); ++port)
+    {
+      for (int item = 0; item < mapper->GetNumberOfInputConnections(port); ++item)
+      {
+        vtkDataObject* data = mapper->GetInputDataObject(port, item);
+        time = std::max(time, data ? data->GetMTime() : 0);
+      }
+    }
+  }
+  return time;
+}
+}
+
+//------------------------------------------------------------------------------
+void vtkChiGeometryBuffer::CollectProps(vtkRenderer* renderer)
+{
+  this->Props.clear();
+  vtkCollectionSimpleIterator cookie;
+  vtkPropCollection* props = renderer->GetViewProps();
+  props->InitTraversal(cookie);
+  while (vtkProp* prop = props->GetNextProp(cookie))
+  {
+    // volumes say that they have opaque geometry, and annotation lies in no depth
+    if (prop->GetVisibility() && !vtkVolume::SafeDownCast(prop) &&
+      !vtkActor2D::SafeDownCast(prop) && prop->HasOpaqueGeometry())
+    {
+      this->Props.push_back(prop);
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+std::vector<std::uint64_t> vtkChiGeometryBuffer::MakeKey(
+  vtkRenderer* renderer, const vtkChiCameraView& camera) const
+{
+  std::vector<std::uint64_t> key;
+  // values of matrices, not the camera's time stamp: some render passes swap the camera each frame
+  for (int i = 0; i < 16; ++i)
+  {
+    key.push_back(bits(camera.GetView()[i]));
+    key.push_back(bits(camera.GetProjection()[i]));
+  }
+  for (int i = 0; i < 3; ++i)
+  {
+    key.push_back(bits(renderer->GetAmbient()[i]));
+  }
+  key.push_back(static_cast<std::uint64_t>(renderer->GetTwoSidedLighting()));
+  vtkTexture* environment =
+    renderer->GetUseImageBasedLighting() ? renderer->GetEnvironmentTexture() : nullptr;
+  key.push_back(environment ? environment->GetMTime() : 0);
+
+  vtkCollectionSimpleIterator cookie;
+  vtkLightCollection* lights = renderer->GetLights();
+  lights->InitTraversal(cookie);
+  while (vtkLight* light = lights->GetNextLight(cookie))
+  {
+    key.push_back(bits(light));
+    key.push_back(light->GetMTime());
+  }
+  for (vtkProp* prop : this->Props)
+  {
+    key.push_back(bits(prop));
+    key.push_back(redrawTime(prop));
+  }
+  return key;
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiGeometryBuffer::Update(
+  vtkRenderer* renderer, const vtkChiCameraView& camera, int width, int height)
+{
+  this->SecondsDraw = 0.0;
+  this->SecondsReadBack = 0.0;
+  this->Reused = false;
+  vtkOpenGLRenderWindow* window = vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow());
+  this->CollectProps(renderer);
+  if (this->Props.empty())
+  {
+    this->Key.clear();
+    this->AnySurface = false;
+    return false;
+  }
+  std::vector<std::uint64_t> key = this->MakeKey(renderer, camera);
+  if (width == this->Width && height == this->Height && key == this->Key &&
+    this->Color->GetHandle() != 0)
+  {
+    this->Reused = true;
+    return this->AnySurface;
+  }
+  this->Width = width;
+  this->Height = height;
+  this->Key.clear();
+
+  const double start = vtkTimerLog::GetUniversalTime();
+  this->Draw(renderer, window);
+  this->ReadDepth(camera);
+  this->SecondsReadBack = vtkTimerLog::GetUniversalTime() - start - this->SecondsDraw;
+  this->Key = std::move(key);
+  return this->AnySurface;
+}
+
+//------------------------------------------------------------------------------
+void vtkChiGeometryBuffer::Draw(vtkRenderer* renderer, vtkOpenGLRenderWindow* window)
+{
+  const double start = vtkTimerLog::GetUniversalTime();
+  const unsigned int width = static_cast<unsigned int>(this->Width);
+  const unsigned int height = static_cast<unsigned int>(this->Height);
+  this->Color->SetContext(window);
+  this->WindowDepth->SetContext(window);
+  this->Target->SetContext(window);
+  if (this->Color->GetHandle() == 0)
+  {
+    this->Color->Allocate2D(width, height, 4, VTK_FLOAT);
+    this->WindowDepth->AllocateDepth(width, height, vtkTextureObject::Float32);
+  }
+  this->Color->Resize(width, height);
+  this->WindowDepth->Resize(width, height);
+
+  vtkOpenGLState* state = window->GetState();
+  vtkOpenGLState::ScopedglViewport viewport(state);
+  vtkOpenGLState::ScopedglScissor scissor(state);
+  vtkOpenGLState::ScopedglClearColor clearColor(state);
+  vtkOpenGLState::ScopedglDepthMask depthMask(state);
+  vtkOpenGLState::ScopedglDepthFunc depthFunc(state);
+  vtkOpenGLState::ScopedglColorMask colorMask(state);
+  vtkOpenGLState::ScopedglEnableDisable blend(state, GL_BLEND);
+  vtkOpenGLState::ScopedglEnableDisable depthTest(state, GL_DEPTH_TEST);
+  state->PushFramebufferBindings();
+  this->Target->Bind();
+  this->Target->AddColorAttachment(0, this->Color);
+  this->Target->AddDepthAttachment(this->WindowDepth);
+  this->Target->ActivateDrawBuffer(0);
+  this->Target->ActivateReadBuffer(0);
+  state->vtkglViewport(0, 0, this->Width, this->Height);
+  state->vtkglScissor(0, 0, this->Width, this->Height);
+  state->vtkglDisable(GL_BLEND);
+  state->vtkglEnable(GL_DEPTH_TEST);
+  state->vtkglDepthFunc(GL_LEQUAL);
+  state->vtkglDepthMask(GL_TRUE);
+  state->vtkglColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  state->vtkglClearColor(0.0f, 0.0f, 0.0f, 0.0f);
+  state->vtkglClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  for (vtkProp* prop : this->Props)
+  {
+    prop->RenderOpaqueGeometry(renderer);
+  }
+  this->Depth.resize(
+    static_cast<std::size_t>(this->Width) * static_cast<std::size_t>(this->Height));
+  const double drawn = vtkTimerLog::GetUniversalTime();
+  this->SecondsDraw = drawn - start;
+  glReadPixels(0, 0, this->Width, this->Height, GL_DEPTH_COMPONENT, GL_FLOAT, this->Depth.data());
+  this->Target->RemoveColorAttachment(0);
+  this->Target->RemoveDepthAttachment();
+  state->PopFramebufferBindings();
+}
+
+//------------------------------------------------------------------------------
+// From the window's depth to the distance along the view axis; a version of its own, because a
+// change of colour alone must not make the engine render again.
+void vtkChiGeometryBuffer::ReadDepth(const vtkChiCameraView& camera)
+{
+  this->AnySurface = false;
+  for (float& depth : this->Depth)
+  {
+    const bool hit = depth < 1.0f;
+    this->AnySurface = this->AnySurface || hit;
+    depth = hit ? static_cast<float>(camera.Depth(depth)) : std::numeric_limits<float>::infinity();
+  }
+  this->View.struct_size = sizeof(chi_surface_view);
+  if (this->Depth != this->LastDepth)
+  {
+    ++this->View.version;
+    this->LastDepth = this->Depth;
+  }
+  this->View.depth = this->Depth.data();
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiGeometryBuffer::ReadColor(vtkOpenGLRenderWindow* window, std::vector<float>& rgba)
+{
+  if (!window || this->Color->GetHandle() == 0)
+  {
+    return false;
+  }
+  window->MakeCurrent();
+  vtkOpenGLState* state = window->GetState();
+  rgba.resize(4 * static_cast<std::size_t>(this->Width) * static_cast<std::size_t>(this->Height));
+  state->PushFramebufferBindings();
+  this->Target->Bind();
+  this->Target->AddColorAttachment(0, this->Color);
+  this->Target->ActivateDrawBuffer(0);
+  this->Target->ActivateReadBuffer(0);
+  glReadPixels(0, 0, this->Width, this->Height, GL_RGBA, GL_FLOAT, rgba.data());
+  this->Target->RemoveColorAttachment(0);
+  state->PopFramebufferBindings();
+  return true;
+}
+
+//------------------------------------------------------------------------------
+void vtkChiGeometryBuffer::ReleaseGraphicsResources(vtkWindow* window)
+{
+  this->Target->ReleaseGraphicsResources(window);
+  this->Color->ReleaseGraphicsResources(window);
+  this->WindowDepth->ReleaseGraphicsResources(window);
+  this->Key.clear();
+}

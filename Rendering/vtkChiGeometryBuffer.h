@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef vtkChiGeometryBuffer_h
+#define vtkChiGeometryBuffer_h
+
+#include "vtkChiCameraView.h"
+
+#include <chiaroscuro/chi_surface.h>
+
+#include "vtkNew.h"
+#include "vtkOpenGLFramebufferObject.h"
+#include "vtkTextureObject.h"
+
+#include <cstdint>
+#include <vector>
+
+class vtkOpenGLRenderWindow;
+class vtkProp;
+
+// The opaque geometry of a renderer, drawn into a colour and a depth texture of the viewport's
+// size. It is drawn anew only where the geometry, the lights, the view or the size have changed.
+// The props are drawn as they are, without the key of a render pass on them, so that no shader is
+// rebuilt.
+class vtkChiGeometryBuffer
+{
+public:
+  // Returns false where there is no opaque geometry.
+  bool Update(vtkRenderer* renderer, const vtkChiCameraView& camera, int width, int height);
+
+  // Null where there is no opaque geometry in view.
+  const chi_surface_view* GetView() const { return this->AnySurface ? &this->View : nullptr; }
+  vtkTextureObject* GetColor() { return this->Color; }
+  // [height x width x 4] floats, alpha 0 where there is no geometry.
+  bool ReadColor(vtkOpenGLRenderWindow* window, std::vector<float>& rgba);
+  int GetWidth() const { return this->Width; }
+  int GetHeight() const { return this->Height; }
+  bool GetReused() const { return this->Reused; }
+  double GetSecondsDraw() const { return this->SecondsDraw; }
+  double GetSecondsReadBack() const { return this->SecondsReadBack; }
+  void ReleaseGraphicsResources(vtkWindow* window);
+
+private:
+  void CollectProps(vtkRenderer* renderer);
+  std::vector<std::uint64_t> MakeKey(vtkRenderer* renderer, const vtkChiCameraView& camera) const;
+  void Draw(vtkRenderer* renderer, vtkOpenGLRenderWindow* window);
+  void ReadDepth(const vtkChiCameraView& camera);
+
+  vtkNew<vtkTextureObject> Color;
+  vtkNew<vtkTextureObject> WindowDepth;
+  vtkNew<vtkOpenGLFramebufferObject> Target;
+  std::vector<vtkProp*> Props;
+  std::vector<std::uint64_t> Key;
+  std::vector<float> Depth;
+  std::vector<float> LastDepth;
+  chi_surface_view View = {};
+  int Width = 0;
+  int Height = 0;
+  bool AnySurface = false;
+  bool Reused = false;
+  double SecondsDraw = 0.0;
+  double SecondsReadBack = 0.0;
+};
+
+#endif

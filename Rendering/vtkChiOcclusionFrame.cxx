@@ -1,0 +1,189 @@
+// SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkChiOcclusionFrame.h"
+
+#include "vtkCommand.h"
+#include "vtkInformation.h"
+#include "vtkInformationObjectBaseKey.h"
+#include "vtkMatrix4x4.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkRenderer.h"
+#include "vtkSMPTools.h"
+#include "vtkVolume.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+vtkStandardNewMacro(vtkChiOcclusionFrame);
+vtkInformationKeyMacro(vtkChiOcclusionFrame, FRAME, ObjectBase);
+
+//------------------------------------------------------------------------------
+void vtkChiOcclusionFrame::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "Layers: " << this->Layers.size() << "\n";
+}
+
+//------------------------------------------------------------------------------
+vtkChiOcclusionFrame* vtkChiOcclusionFrame::Get(vtkRenderer* renderer)
+{
+  vtkInformation* information = renderer->GetInformation();
+  if (!information)
+  {
+    vtkNew<vtkInformation> made;
+    renderer->SetInformation(made);
+    information = made;
+  }
+  vtkChiOcclusionFrame* frame = vtkChiOcclusionFrame::SafeDownCast(information->Get(FRAME()));
+  if (!frame)
+  {
+    vtkNew<vtkChiOcclusionFrame> made;
+    information->Set(FRAME(), made);
+    renderer->AddObserver(
+      vtkCommand::StartEvent, made.GetPointer(), &vtkChiOcclusionFrame::BeginFrame);
+    frame = made;
+  }
+  return frame;
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiOcclusionFrame::HasDrawn(vtkVolume* volume) const
+{
+  return std::any_of(this->Layers.begin(), this->Layers.end(),
+    [volume](const Layer& layer) { return layer.Volume == volume; });
+}
+
+//------------------------------------------------------------------------------
+void vtkChiOcclusionFrame::AddLayer(vtkVolume* volume, const chi_camera* camera,
+  const chi_volume_view* samples, const chi_occlusion_image* image, bool keep)
+{
+  Layer layer;
+  layer.Volume = volume;
+  if (keep && samples)
+  {
+    const std::size_t pixels =
+      static_cast<std::size_t>(image->width) * static_cast<std::size_t>(image->height);
+    layer.Rgba.assign(image->rgba, image->rgba + 4 * pixels);
+    layer.Visibility.assign(image->visibility, image->visibility + pixels);
+    layer.Camera = *camera;
+    double indexToEye[16];
+    vtkMatrix4x4::Multiply4x4(camera->world_to_eye, samples->index_to_world, indexToEye);
+    vtkMatrix4x4::Invert(indexToEye, layer.EyeToIndex);
+    const double margin = samples->is_cell_data ? 0.5 : 0.0;
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      layer.Low[axis] = -margin;
+      layer.High[axis] = static_cast<double>(samples->dimensions[axis]) - 1.0 + margin;
+    }
+  }
+  this->Layers.push_back(std::move(layer));
+}
+
+//------------------------------------------------------------------------------
+// Depth at which the ray of a pixel enters the layer's box; infinite where it misses it.
+double vtkChiOcclusionFrame::Layer::EntryDepth(double x, double y) const
+{
+  const double* m = this->EyeToIndex;
+  const double* window = this->Camera.window;
+  const double px = window[0] + (window[1] - window[0]) * x / this->Camera.width;
+  const double py = window[2] + (window[3] - window[2]) * y / this->Camera.height;
+  const bool parallel = this->Camera.parallel != 0;
+  double enter = this->Camera.near_depth;
+  double leave = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    // place in index space at depth d: base + d * slope
+    const double* row = m + 4 * axis;
+    const double across = row[0] * px + row[1] * py;
+    const double base = row[3] + (parallel ? across : 0.0);
+    const double slope = -row[2] + (parallel ? 0.0 : across);
+    if (slope == 0.0)
+    {
+      if (base < this->Low[axis] || base > this->High[axis])
+      {
+        return std::numeric_limits<double>::infinity();
+      }
+      continue;
+    }
+    const double first = (this->Low[axis] - base) / slope;
+    const double second = (this->High[axis] - base) / slope;
+    enter = std::max(enter, std::min(first, second));
+    leave = std::min(leave, std::max(first, second));
+  }
+  return enter <= leave ? enter : std::numeric_limits<double>::infinity();
+}
+
+//------------------------------------------------------------------------------
+void vtkChiOcclusionFrame::MergeLastLayer(std::vector<float>& rgba) const
+{
+  rgba.clear();
+  if (this->Layers.empty() || this->Layers.back().Rgba.empty())
+  {
+    return;
+  }
+  rgba = this->Layers.back().Rgba;
+  vtkSMPTools::For(0, this->Layers.back().Camera.height,
+    [this, &rgba](vtkIdType begin, vtkIdType end)
+    {
+      for (vtkIdType row = begin; row < end; ++row)
+      {
+        this->MergeRow(static_cast<int>(row), rgba);
+      }
+    });
+}
+
+//------------------------------------------------------------------------------
+// The frame buffer holds F + (1 - f)(G + (1 - g) S): earlier layers in front F, behind G, and scene
+// S. Wanted is F + (1 - f)(n + (1 - a)(G + (1 - g) v S)) with the new layer n, its alpha a and its
+// visibility v of S. Blending multiplies what is there by k = (1 - a) v, so what must be added is
+//   F (1 - k) + (1 - f)(n + (1 - a)(1 - v) G).
+void vtkChiOcclusionFrame::MergeRow(int row, std::vector<float>& rgba) const
+{
+  const Layer& last = this->Layers.back();
+  const int width = last.Camera.width;
+  std::vector<std::pair<double, const Layer*>> order;
+  for (int column = 0; column < width; ++column)
+  {
+    const std::size_t pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
+      static_cast<std::size_t>(column);
+    order.clear();
+    for (std::size_t i = 0; i + 1 < this->Layers.size(); ++i)
+    {
+      const Layer& layer = this->Layers[i];
+      if (layer.Rgba.size() == last.Rgba.size() && layer.Rgba[4 * pixel + 3] > 0.0f)
+      {
+        order.emplace_back(layer.EntryDepth(column + 0.5, row + 0.5), &layer);
+      }
+    }
+    if (order.empty())
+    {
+      continue;
+    }
+    std::stable_sort(
+      order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    const double here = last.EntryDepth(column + 0.5, row + 0.5);
+    float front[4] = { 0.0f, 0.0f, 0.0f, 0.0f };
+    float back[4] = { 0.0f, 0.0f, 0.0f, 0.0f };
+    for (const auto& entry : order)
+    {
+      float* stack = entry.first <= here ? front : back;
+      const float* source = entry.second->Rgba.data() + 4 * pixel;
+      const float through = 1.0f - stack[3];
+      for (int c = 0; c < 4; ++c)
+      {
+        stack[c] += through * source[c];
+      }
+    }
+    float* target = rgba.data() + 4 * pixel;
+    const float visibility = last.Visibility[pixel];
+    const float keep = (1.0f - target[3]) * visibility;
+    for (int c = 0; c < 3; ++c)
+    {
+      target[c] = front[c] * (1.0f - keep) +
+        (1.0f - front[3]) * (target[c] + (1.0f - target[3]) * (1.0f - visibility) * back[c]);
+    }
+  }
+}

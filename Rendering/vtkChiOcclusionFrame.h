@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef vtkChiOcclusionFrame_h
+#define vtkChiOcclusionFrame_h
+
+#include "vtkChiGeometryBuffer.h"
+
+#include <chiaroscuro/chi_occlusion.h>
+
+#include "vtkObject.h"
+
+#include <cstddef>
+#include <vector>
+
+class vtkInformationObjectBaseKey;
+class vtkRenderer;
+class vtkVolume;
+
+// What the occlusion mappers of one renderer share: its opaque geometry, and which of them have
+// drawn in the frame that is under way. Hung into the renderer's information, so that it lives as
+// long.
+class vtkChiOcclusionFrame : public vtkObject
+{
+public:
+  static vtkChiOcclusionFrame* New();
+  vtkTypeMacro(vtkChiOcclusionFrame, vtkObject);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+  static vtkInformationObjectBaseKey* FRAME();
+
+  // The one of this renderer, made at the first call.
+  static vtkChiOcclusionFrame* Get(vtkRenderer* renderer);
+
+  vtkChiGeometryBuffer* GetGeometry() { return &this->Geometry; }
+
+  // Whether this volume has been drawn since the renderer began the frame.
+  bool HasDrawn(vtkVolume* volume) const;
+  bool IsFirst() const { return this->Layers.empty(); }
+  // A volume is drawn twice in a frame only where someone renders without the renderer's event.
+  void BeginFrame() { this->Layers.clear(); }
+
+  // Keep a picture for those that are still to come. `keep` is false where nobody will ask for it:
+  // then only the fact is kept. A null volume stands for geometry alone.
+  void AddLayer(vtkVolume* volume, const chi_camera* camera, const chi_volume_view* samples,
+    const chi_occlusion_image* image, bool keep);
+
+  // What the last layer must write so that it comes to lie between the earlier ones, some of which
+  // are in front of it: premultiplied colour, and the layer's own alpha.
+  void MergeLastLayer(std::vector<float>& rgba) const;
+
+protected:
+  vtkChiOcclusionFrame() = default;
+  ~vtkChiOcclusionFrame() override = default;
+
+private:
+  vtkChiOcclusionFrame(const vtkChiOcclusionFrame&) = delete;
+  void operator=(const vtkChiOcclusionFrame&) = delete;
+
+  struct Layer
+  {
+    vtkVolume* Volume = nullptr; // compared, never used
+    std::vector<float> Rgba;     // empty: nothing but geometry, or not kept
+    std::vector<float> Visibility;
+    chi_camera Camera = {};
+    double EyeToIndex[16] = {};
+    double Low[3] = {}; // box in index space
+    double High[3] = {};
+
+    double EntryDepth(double x, double y) const;
+  };
+
+  void MergeRow(int row, std::vector<float>& rgba) const;
+
+  vtkChiGeometryBuffer Geometry;
+  std::vector<Layer> Layers;
+};
+
+#endif

@@ -1,0 +1,484 @@
+// SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkChiVolumeInput.h"
+
+#include "vtkAbstractMapper.h"
+#include "vtkAbstractVolumeMapper.h"
+#include "vtkCellData.h"
+#include "vtkColorTransferFunction.h"
+#include "vtkFloatArray.h"
+#include "vtkImageData.h"
+#include "vtkMatrix4x4.h"
+#include "vtkNew.h"
+#include "vtkPiecewiseFunction.h"
+#include "vtkPointData.h"
+#include "vtkRectilinearGrid.h"
+#include "vtkUniformGrid.h"
+#include "vtkUnsignedCharArray.h"
+#include "vtkVolume.h"
+#include "vtkVolumeProperty.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace
+{
+std::uint64_t bits(const void* pointer)
+{
+  return static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(pointer));
+}
+
+// The core's type of a VTK scalar type; 0 where there is none.
+chi_type coreType(int type)
+{
+  switch (type)
+  {
+    case VTK_CHAR:
+      return VTK_TYPE_CHAR_IS_SIGNED ? CHI_I8 : CHI_U8;
+    case VTK_SIGNED_CHAR:
+      return CHI_I8;
+    case VTK_UNSIGNED_CHAR:
+      return CHI_U8;
+    case VTK_SHORT:
+      return CHI_I16;
+    case VTK_UNSIGNED_SHORT:
+      return CHI_U16;
+    case VTK_INT:
+      return CHI_I32;
+    case VTK_UNSIGNED_INT:
+      return CHI_U32;
+    case VTK_LONG:
+      return sizeof(long) == 8 ? CHI_I64 : CHI_I32;
+    case VTK_UNSIGNED_LONG:
+      return sizeof(long) == 8 ? CHI_U64 : CHI_U32;
+    case VTK_LONG_LONG:
+      return CHI_I64;
+    case VTK_UNSIGNED_LONG_LONG:
+      return CHI_U64;
+    case VTK_ID_TYPE:
+      return sizeof(vtkIdType) == 8 ? CHI_I64 : CHI_I32;
+    case VTK_FLOAT:
+      return CHI_F32;
+    case VTK_DOUBLE:
+      return CHI_F64;
+    default:
+      return 0;
+  }
+}
+
+std::string describe(vtkDataArray* array)
+{
+  return std::string("array '") + (array->GetName() ? array->GetName() : "(unnamed)") + "' (" +
+    array->GetDataTypeAsString() + ", " + std::to_string(array->GetNumberOfTuples()) + " tuples, " +
+    std::to_string(array->GetNumberOfComponents()) + " components)";
+}
+
+void multiply(const double* a, const double* b, double* product)
+{
+  double result[16];
+  vtkMatrix4x4::Multiply4x4(a, b, result);
+  std::copy(result, result + 16, product);
+}
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiVolumeInput::Collect(vtkAbstractVolumeMapper* mapper, vtkDataSet* input, int scalarMode,
+  vtkVolume* volume, const double* world)
+{
+  this->Problem.clear();
+  this->Limits.clear();
+  this->Empty = !input || input->GetNumberOfPoints() == 0;
+  if (this->Empty)
+  {
+    return false;
+  }
+  vtkMTimeType time = input->GetMTime();
+  vtkImageData* image = vtkImageData::SafeDownCast(input);
+  if (vtkRectilinearGrid* grid = vtkRectilinearGrid::SafeDownCast(input))
+  {
+    image = this->Resample(mapper, grid, scalarMode);
+    scalarMode = VTK_SCALAR_MODE_DEFAULT; // the new image has no other array
+    this->Limits.emplace_back(
+      "vtkRectilinearGrid is not supported yet: its samples are interpolated "
+      "onto evenly spaced ones");
+  }
+  if (!image)
+  {
+    if (this->Problem.empty())
+    {
+      this->Problem =
+        std::string("an input of class ") + input->GetClassName() + " is not a vtkImageData";
+    }
+    return false;
+  }
+  if (vtkUniformGrid::SafeDownCast(image) &&
+    (image->HasAnyBlankPoints() || image->HasAnyBlankCells()))
+  {
+    this->Limits.emplace_back(
+      "blanking (vtkUniformGrid) is not supported yet: blanked points and cells "
+      "are drawn");
+  }
+  return this->CollectSamples(mapper, image, time, scalarMode) &&
+    this->CollectMatrix(image, volume, world) && this->CollectTransfer(volume->GetProperty(), time);
+}
+
+//------------------------------------------------------------------------------
+vtkDataArray* vtkChiVolumeInput::Find(
+  vtkAbstractVolumeMapper* mapper, vtkDataSet* data, int scalarMode, int& isCell)
+{
+  return vtkAbstractMapper::GetScalars(data, scalarMode, mapper->GetArrayAccessMode(),
+    mapper->GetArrayId(), mapper->GetArrayName(), isCell);
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiVolumeInput::CollectSamples(
+  vtkAbstractVolumeMapper* mapper, vtkImageData* image, vtkMTimeType time, int scalarMode)
+{
+  int isCell = 0;
+  vtkDataArray* scalars = this->Find(mapper, image, scalarMode, isCell);
+  if (!scalars)
+  {
+    const char* name = mapper->GetArrayName();
+    const bool byName = scalarMode == VTK_SCALAR_MODE_USE_POINT_FIELD_DATA ||
+      scalarMode == VTK_SCALAR_MODE_USE_CELL_FIELD_DATA;
+    this->Problem = std::string("the input (") + image->GetClassName() + ") has no " +
+      (byName ? std::string("array '") + (name ? name : "(by index)") + "'"
+              : std::string("scalars")) +
+      " for scalar mode " + mapper->GetScalarModeAsString();
+    return false;
+  }
+
+  int dimensions[3];
+  image->GetDimensions(dimensions);
+  std::size_t count = 1;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    if (isCell)
+    {
+      dimensions[axis] = std::max(dimensions[axis] - 1, 0);
+    }
+    this->Volume.dimensions[axis] = static_cast<std::size_t>(dimensions[axis]);
+    count *= this->Volume.dimensions[axis];
+  }
+  // Samples of points span a volume only from two along each axis; a cell is one by itself.
+  if (std::min({ dimensions[0], dimensions[1], dimensions[2] }) < (isCell ? 1 : 2))
+  {
+    int points[3];
+    image->GetDimensions(points);
+    this->Problem = "an image of " + std::to_string(points[0]) + " x " + std::to_string(points[1]) +
+      " x " + std::to_string(points[2]) + " points encloses no volume: nothing to draw of " +
+      describe(scalars);
+    return false;
+  }
+  if (static_cast<std::size_t>(scalars->GetNumberOfTuples()) < count)
+  {
+    this->Problem = describe(scalars) + " is too short: the image has " + std::to_string(count) +
+      (isCell ? " cells" : " points");
+    return false;
+  }
+  if (scalars->GetNumberOfComponents() < 1)
+  {
+    this->Problem = describe(scalars) + " has no components";
+    return false;
+  }
+  if (scalars->GetNumberOfComponents() > 1)
+  {
+    this->Limits.push_back(
+      "several components are not supported yet: only the first is drawn of " + describe(scalars));
+  }
+
+  const std::array<std::uint64_t, 4> key = { bits(scalars), scalars->GetMTime(), time,
+    static_cast<std::uint64_t>(isCell) };
+  if (key != this->SamplesKey || this->Scalars != scalars || !this->Samples)
+  {
+    this->Scalars = scalars;
+    this->Samples = scalars;
+    if (scalars->GetDataType() == VTK_BIT)
+    {
+      this->Samples = vtkSmartPointer<vtkUnsignedCharArray>::New();
+      this->Samples->DeepCopy(scalars);
+    }
+    else if (!scalars->HasStandardMemoryLayout())
+    {
+      this->Samples.TakeReference(vtkDataArray::CreateDataArray(scalars->GetDataType()));
+      this->Samples->DeepCopy(scalars);
+    }
+    this->SamplesKey = key;
+    ++this->Volume.version;
+  }
+  this->Volume.type = coreType(this->Samples->GetDataType());
+  if (this->Volume.type == 0)
+  {
+    this->Problem = describe(scalars) + " has a type that cannot be drawn";
+    return false;
+  }
+  this->Volume.struct_size = sizeof(chi_volume_view);
+  this->Volume.scalars = this->Samples->GetVoidPointer(0);
+  this->Volume.stride = static_cast<std::size_t>(this->Samples->GetNumberOfComponents()) *
+    static_cast<std::size_t>(this->Samples->GetDataTypeSize());
+  this->Volume.is_cell_data = isCell;
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiVolumeInput::CollectMatrix(vtkImageData* image, vtkVolume* volume, const double* world)
+{
+  int extent[6];
+  image->GetExtent(extent);
+  // sample (0, 0, 0) is the first point of the extent, or the centre of its first cell
+  const double centre = this->Volume.is_cell_data ? 0.5 : 0.0;
+  double first[16];
+  vtkMatrix4x4::Identity(first);
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    first[4 * axis + 3] = extent[2 * axis] + centre;
+  }
+  double* matrix = this->Volume.index_to_world;
+  const double* physical = image->GetIndexToPhysicalMatrix()->GetData();
+  multiply(physical, first, matrix);
+  multiply(volume->GetMatrix()->GetData(), matrix, matrix);
+  multiply(world, matrix, matrix);
+
+  double columns = 1.0;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    columns *= std::sqrt(matrix[axis] * matrix[axis] + matrix[4 + axis] * matrix[4 + axis] +
+      matrix[8 + axis] * matrix[8 + axis]);
+  }
+  const double determinant = vtkMatrix4x4::Determinant(matrix);
+  // relative to the box that the spacings would span; the bound is rounding of a product of three
+  if (!std::isfinite(determinant) || !(std::abs(determinant) > 1e-14 * columns))
+  {
+    this->Problem =
+      "the matrix of the vtkVolume times spacing and direction of the input is singular or "
+      "not finite: nothing to draw";
+    return false;
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+// Entries and range of the tables. Outside the nodes the functions are constant, so the tables need
+// to span the nodes only, and of these only the part that the data reach.
+void vtkChiVolumeInput::ChooseTableRange(vtkVolumeProperty* property)
+{
+  double nodes[2];
+  property->GetScalarOpacity(0)->GetRange(nodes);
+  double colorNodes[2];
+  bool clamped = property->GetScalarOpacity(0)->GetClamping() != 0;
+  if (property->GetColorChannels(0) == 1)
+  {
+    property->GetGrayTransferFunction(0)->GetRange(colorNodes);
+    clamped = clamped && property->GetGrayTransferFunction(0)->GetClamping() != 0;
+  }
+  else
+  {
+    property->GetRGBTransferFunction(0)->GetRange(colorNodes);
+    clamped = clamped && property->GetRGBTransferFunction(0)->GetClamping() != 0;
+  }
+  nodes[0] = std::min(nodes[0], colorNodes[0]);
+  nodes[1] = std::max(nodes[1], colorNodes[1]);
+
+  double data[2];
+  this->Samples->GetFiniteRange(data, 0);
+  if (!(data[0] <= data[1])) // no finite sample at all
+  {
+    data[0] = nodes[0];
+    data[1] = nodes[1];
+  }
+  double low = clamped ? std::max(nodes[0], std::min(data[0], nodes[1])) : data[0];
+  double high = clamped ? std::min(nodes[1], std::max(data[1], nodes[0])) : data[1];
+  const bool integers = this->Samples->GetDataTypeSize() <= 2;
+  if (integers)
+  {
+    low = std::floor(low);
+    high = std::max(std::ceil(high), low + 1.0);
+    // entries on the integers, and evenly between them where there is room, so that nodes at
+    // integers, where the steps of such functions are, are met exactly
+    const double span = high - low;
+    const double parts = std::max(1.0, std::floor(4096.0 / span));
+    this->Transfer.count = static_cast<std::size_t>(span * parts) + 1;
+  }
+  else
+  {
+    const double room = std::max(std::abs(low), std::abs(high)) * 1e-6;
+    if (!(high - low > room)) // one value, or none: a table around it
+    {
+      const double half = std::max(room, 1e-30);
+      low -= half;
+      high += half;
+    }
+    this->Transfer.count = 4097;
+  }
+  this->Transfer.range[0] = low;
+  this->Transfer.range[1] = high;
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiVolumeInput::CollectTransfer(vtkVolumeProperty* property, vtkMTimeType time)
+{
+  this->Volume.interpolation =
+    property->GetInterpolationType() == VTK_NEAREST_INTERPOLATION ? CHI_NEAREST : CHI_LINEAR;
+  if (property->GetInterpolationType() > VTK_LINEAR_INTERPOLATION)
+  {
+    this->Limits.emplace_back(
+      "cubic interpolation (vtkVolumeProperty) is not supported yet: linear is used");
+  }
+  vtkPiecewiseFunction* opacity = property->GetScalarOpacity(0);
+  const int channels = property->GetColorChannels(0);
+  vtkPiecewiseFunction* gray = channels == 1 ? property->GetGrayTransferFunction(0) : nullptr;
+  vtkColorTransferFunction* color = gray ? nullptr : property->GetRGBTransferFunction(0);
+  double unitDistance = property->GetScalarOpacityUnitDistance(0);
+  if (!(unitDistance > 0.0) || !std::isfinite(unitDistance))
+  {
+    this->Limits.push_back("a scalar opacity unit distance of " + std::to_string(unitDistance) +
+      " (vtkVolumeProperty) has no meaning: 1 is used");
+    unitDistance = 1.0;
+  }
+
+  std::uint64_t distanceBits = 0;
+  static_assert(sizeof(distanceBits) == sizeof(unitDistance), "bits of a double");
+  std::copy_n(reinterpret_cast<const char*>(&unitDistance), sizeof(unitDistance),
+    reinterpret_cast<char*>(&distanceBits));
+  const void* colorObject = gray ? static_cast<void*>(gray) : static_cast<void*>(color);
+  const std::array<std::uint64_t, 7> key = { bits(opacity), opacity->GetMTime(), bits(colorObject),
+    gray ? gray->GetMTime() : color->GetMTime(), this->Volume.version, distanceBits, time };
+  if (key == this->TransferKey && !this->Opacities.empty())
+  {
+    return true;
+  }
+
+  this->ChooseTableRange(property);
+  const int count = static_cast<int>(this->Transfer.count);
+  const double* range = this->Transfer.range;
+  std::vector<float> opacities(this->Transfer.count);
+  std::vector<float> colors(3 * this->Transfer.count);
+  opacity->GetTable(range[0], range[1], count, opacities.data());
+  if (gray)
+  {
+    std::vector<float> values(this->Transfer.count);
+    gray->GetTable(range[0], range[1], count, values.data());
+    for (std::size_t i = 0; i < colors.size(); ++i)
+    {
+      colors[i] = values[i / 3];
+    }
+  }
+  else
+  {
+    color->GetTable(range[0], range[1], count, colors.data());
+  }
+  const auto clamp = [](float value)
+  { return std::isfinite(value) ? std::min(std::max(value, 0.0f), 1.0f) : 0.0f; };
+  std::transform(opacities.begin(), opacities.end(), opacities.begin(), clamp);
+  std::transform(colors.begin(), colors.end(), colors.begin(), clamp);
+
+  this->Opacities = std::move(opacities);
+  this->Colors = std::move(colors);
+  this->Transfer.struct_size = sizeof(chi_transfer_view);
+  this->Transfer.rgb = this->Colors.data();
+  this->Transfer.opacity = this->Opacities.data();
+  this->Transfer.unit_distance = unitDistance;
+  ++this->Transfer.version;
+  this->TransferKey = key;
+  return true;
+}
+
+//------------------------------------------------------------------------------
+// Trilinear interpolation onto as many evenly spaced samples over the same bounds. Scalars of cells
+// are taken to the points first, as half a sample at the border has no place in an image.
+vtkImageData* vtkChiVolumeInput::Resample(
+  vtkAbstractVolumeMapper* mapper, vtkRectilinearGrid* grid, int scalarMode)
+{
+  int isCell = 0;
+  vtkDataArray* scalars = this->Find(mapper, grid, scalarMode, isCell);
+  int dimensions[3];
+  grid->GetDimensions(dimensions);
+  if (!scalars || std::min({ dimensions[0], dimensions[1], dimensions[2] }) < 2)
+  {
+    this->Problem = scalars ? "a vtkRectilinearGrid without thickness encloses no volume"
+                            : "the input (vtkRectilinearGrid) has no scalars for scalar mode " +
+        std::string(mapper->GetScalarModeAsString());
+    return nullptr;
+  }
+  const std::array<std::uint64_t, 2> key = { bits(scalars), grid->GetMTime() };
+  if (this->Resampled && key == this->ResampledKey)
+  {
+    return this->Resampled;
+  }
+
+  // where each new sample lies among the old ones, axis by axis; cells by their centres
+  vtkDataArray* coordinates[3] = { grid->GetXCoordinates(), grid->GetYCoordinates(),
+    grid->GetZCoordinates() };
+  std::vector<vtkIdType> lower[3];
+  std::vector<double> weight[3];
+  vtkIdType old[3];
+  double origin[3];
+  double spacing[3];
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    std::vector<double> places;
+    for (int i = 0; i + isCell < dimensions[axis]; ++i)
+    {
+      const double here = coordinates[axis]->GetComponent(i, 0);
+      places.push_back(isCell ? 0.5 * (here + coordinates[axis]->GetComponent(i + 1, 0)) : here);
+    }
+    old[axis] = static_cast<vtkIdType>(places.size());
+    const double first = coordinates[axis]->GetComponent(0, 0);
+    const double last = coordinates[axis]->GetComponent(dimensions[axis] - 1, 0);
+    origin[axis] = first;
+    spacing[axis] = (last - first) / (dimensions[axis] - 1);
+    for (int i = 0; i < dimensions[axis]; ++i)
+    {
+      const double place = first + i * spacing[axis];
+      const auto above = std::upper_bound(places.begin(), places.end(), place);
+      const vtkIdType low = std::min(
+        std::max<vtkIdType>(above - places.begin() - 1, 0), std::max<vtkIdType>(old[axis] - 2, 0));
+      const vtkIdType high = std::min(low + 1, old[axis] - 1);
+      const double step = places[high] - places[low];
+      const double t = step > 0.0 ? (place - places[low]) / step : 0.0;
+      lower[axis].push_back(low);
+      weight[axis].push_back(std::min(std::max(t, 0.0), 1.0));
+    }
+  }
+
+  vtkNew<vtkFloatArray> samples;
+  samples->SetName(scalars->GetName());
+  samples->SetNumberOfTuples(static_cast<vtkIdType>(dimensions[0]) * dimensions[1] * dimensions[2]);
+  vtkIdType id = 0;
+  for (int k = 0; k < dimensions[2]; ++k)
+  {
+    for (int j = 0; j < dimensions[1]; ++j)
+    {
+      for (int i = 0; i < dimensions[0]; ++i, ++id)
+      {
+        const int at[3] = { i, j, k };
+        double sum = 0.0;
+        for (int corner = 0; corner < 8; ++corner)
+        {
+          vtkIdType from[3];
+          double product = 1.0;
+          for (int axis = 0; axis < 3; ++axis)
+          {
+            const int side = (corner >> axis) & 1;
+            const double t = weight[axis][at[axis]];
+            from[axis] = std::min(lower[axis][at[axis]] + side, old[axis] - 1);
+            product *= side ? t : 1.0 - t;
+          }
+          if (product > 0.0)
+          {
+            sum +=
+              product * scalars->GetComponent(from[0] + old[0] * (from[1] + old[1] * from[2]), 0);
+          }
+        }
+        samples->SetValue(id, static_cast<float>(sum));
+      }
+    }
+  }
+  this->Resampled = vtkSmartPointer<vtkImageData>::New();
+  this->Resampled->SetDimensions(dimensions);
+  this->Resampled->SetOrigin(origin);
+  this->Resampled->SetSpacing(spacing);
+  this->Resampled->GetPointData()->SetScalars(samples);
+  this->ResampledKey = key;
+  return this->Resampled;
+}

@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef vtkChiVolumeInput_h
+#define vtkChiVolumeInput_h
+
+#include <chiaroscuro/chi_transfer.h>
+#include <chiaroscuro/chi_volume.h>
+
+#include "vtkDataArray.h"
+#include "vtkSmartPointer.h"
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+class vtkAbstractVolumeMapper;
+class vtkDataSet;
+class vtkImageData;
+class vtkRectilinearGrid;
+class vtkVolume;
+class vtkVolumeProperty;
+
+// Borrows the input of a volume mapper for the C core: samples, matrix, and the transfer functions
+// as tables. Nothing is copied but arrays of a layout or type that the core cannot read; tables and
+// copies are kept until their sources change.
+class vtkChiVolumeInput
+{
+public:
+  // Problem: why there is no volume to draw. Limits: what was drawn differently from what was
+  // asked. `world` is the row-major matrix from world space to the space that the core calls world.
+  bool Collect(vtkAbstractVolumeMapper* mapper, vtkDataSet* input, int scalarMode,
+    vtkVolume* volume, const double* world);
+
+  const chi_volume_view* GetVolume() const { return &this->Volume; }
+  const chi_transfer_view* GetTransfer() const { return &this->Transfer; }
+  const std::string& GetProblem() const { return this->Problem; }
+  const std::vector<std::string>& GetLimits() const { return this->Limits; }
+  bool IsEmpty() const { return this->Empty; }
+
+private:
+  bool CollectSamples(
+    vtkAbstractVolumeMapper* mapper, vtkImageData* image, vtkMTimeType time, int scalarMode);
+  bool CollectMatrix(vtkImageData* image, vtkVolume* volume, const double* world);
+  bool CollectTransfer(vtkVolumeProperty* property, vtkMTimeType time);
+  void ChooseTableRange(vtkVolumeProperty* property);
+  vtkImageData* Resample(vtkAbstractVolumeMapper* mapper, vtkRectilinearGrid* grid, int scalarMode);
+  vtkDataArray* Find(
+    vtkAbstractVolumeMapper* mapper, vtkDataSet* data, int scalarMode, int& isCell);
+
+  chi_volume_view Volume = {};
+  chi_transfer_view Transfer = {};
+  std::string Problem;
+  std::vector<std::string> Limits;
+  bool Empty = false;
+
+  vtkSmartPointer<vtkDataArray> Scalars; // as found
+  vtkSmartPointer<vtkDataArray> Samples; // as handed to the core: the same, or a plain copy
+  std::array<std::uint64_t, 4> SamplesKey = {};
+  std::array<std::uint64_t, 7> TransferKey = {};
+  std::vector<float> Colors;
+  std::vector<float> Opacities;
+
+  vtkSmartPointer<vtkImageData> Resampled;
+  std::array<std::uint64_t, 2> ResampledKey = {};
+};
+
+#endif
