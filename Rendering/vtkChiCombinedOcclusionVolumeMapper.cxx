@@ -306,9 +306,10 @@ void vtkChiCombinedOcclusionVolumeMapper::CollectUnsupported(vtkVolume* volume)
     "shading by gradients (vtkVolumeProperty::ShadeOn) is not supported yet: the volume is shaded "
     "by "
     "occlusion alone");
-  check(property->HasGradientOpacity(0) && !property->GetDisableGradientOpacity(0),
+  const bool two = property->GetTransferFunctionMode() == vtkVolumeProperty::TF_2D;
+  check(!two && property->HasGradientOpacity(0) && !property->GetDisableGradientOpacity(0),
     "gradient opacity (vtkVolumeProperty) is not supported yet: scalar opacity alone is used");
-  check(property->GetTransferFunctionMode() == vtkVolumeProperty::TF_2D,
+  check(two,
     "two-dimensional transfer functions (vtkVolumeProperty) are not supported yet: the "
     "one-dimensional ones are used");
   check(!property->GetLabelMapLabels().empty(),
@@ -474,7 +475,11 @@ void vtkChiCombinedOcclusionVolumeMapper::Composite(vtkRenderer* renderer, vtkVo
     vtkOpenGLState::ScopedglEnableDisable cullFace(state, GL_CULL_FACE);
     vtkOpenGLState::ScopedglBlendFuncSeparate blendFunction(state);
     vtkOpenGLState::ScopedglDepthMask depthMask(state);
+    int equation[2]; // depth peeling takes maxima
+    glGetIntegerv(GL_BLEND_EQUATION_RGB, &equation[0]);
+    glGetIntegerv(GL_BLEND_EQUATION_ALPHA, &equation[1]);
     state->vtkglEnable(GL_BLEND);
+    state->vtkglBlendEquation(GL_FUNC_ADD);
     state->vtkglBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     state->vtkglDisable(GL_DEPTH_TEST); // the picture ends at the geometry by itself
     state->vtkglDepthMask(GL_FALSE);
@@ -501,6 +506,8 @@ void vtkChiCombinedOcclusionVolumeMapper::Composite(vtkRenderer* renderer, vtkVo
     {
       textures[i]->Deactivate();
     }
+    state->vtkglBlendEquationSeparate(
+      static_cast<unsigned int>(equation[0]), static_cast<unsigned int>(equation[1]));
   }
   else
   {

@@ -12,12 +12,16 @@
 #include "vtkAlgorithm.h"
 #include "vtkCollection.h"
 #include "vtkDataObject.h"
+#include "vtkInformation.h"
+#include "vtkInformationObjectBaseVectorKey.h"
 #include "vtkLight.h"
 #include "vtkLightCollection.h"
 #include "vtkMapper.h"
+#include "vtkOpenGLRenderPass.h"
 #include "vtkOpenGLRenderWindow.h"
 #include "vtkOpenGLState.h"
 #include "vtkPropCollection.h"
+#include "vtkSmartPointer.h"
 #include "vtkTexture.h"
 #include "vtkTimerLog.h"
 #include "vtkVolume.h"
@@ -39,6 +43,40 @@ std::uint64_t bits(const void* pointer)
 {
   return static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(pointer));
 }
+
+// Takes the keys of render passes that are under way (depth peeling, say) off a prop, because their
+// shaders write something else than colour, and puts them back.
+class PlainShaders
+{
+public:
+  explicit PlainShaders(vtkProp* prop)
+    : Keys(prop->GetPropertyKeys())
+  {
+    vtkInformationObjectBaseVectorKey* key = vtkOpenGLRenderPass::RenderPasses();
+    const int count = this->Keys && this->Keys->Has(key) ? this->Keys->Length(key) : 0;
+    for (int i = 0; i < count; ++i)
+    {
+      this->Passes.emplace_back(this->Keys->Get(key, i));
+    }
+    if (count > 0)
+    {
+      this->Keys->Remove(key);
+    }
+  }
+  ~PlainShaders()
+  {
+    for (const auto& pass : this->Passes)
+    {
+      this->Keys->Append(vtkOpenGLRenderPass::RenderPasses(), pass);
+    }
+  }
+  PlainShaders(const PlainShaders&) = delete;
+  void operator=(const PlainShaders&) = delete;
+
+private:
+  vtkSmartPointer<vtkInformation> Keys;
+  std::vector<vtkSmartPointer<vtkObjectBase>> Passes;
+};
 
 // When anything that this prop draws was last modified. vtkActor looks at its first input only; a
 // glyph's shape comes in by the second.
@@ -193,6 +231,7 @@ void vtkChiGeometryBuffer::Draw(vtkRenderer* renderer, vtkOpenGLRenderWindow* wi
   state->vtkglClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   for (vtkProp* prop : this->Props)
   {
+    const PlainShaders plain(prop);
     prop->RenderOpaqueGeometry(renderer);
   }
   this->Depth.resize(

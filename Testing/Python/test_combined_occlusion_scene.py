@@ -1,0 +1,449 @@
+# SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""vtkChiCombinedOcclusionVolumeMapper: volumes, geometry, and the renderer around them."""
+import unittest
+
+import numpy as np
+from occlusion_scene import (
+    Messages,
+    Scene,
+    ball,
+    erode,
+    float_image,
+    image,
+    marschner_lobb,
+    sphere,
+    square,
+    visibility_image,
+    volume_property,
+)
+from vtkmodules.vtkCommonDataModel import vtkDataObject
+from vtkmodules.vtkRenderingCore import vtkHardwareSelector
+from vtkmodules.vtkRenderingVolumeOpenGL2 import vtkOpenGLGPUVolumeRayCastMapper
+
+from chiaroscuro.vtkChiRendering import vtkChiCombinedOcclusionVolumeMapper
+
+WHITE = ((0.0, (1.0, 1.0, 1.0)), (1.0, (1.0, 1.0, 1.0)))
+
+
+def cube(values, edge=1.0, center=(0.0, 0.0, 0.0)):
+    """An image whose samples span a cube of that edge around the centre."""
+    h = edge / (values.shape[0] - 1)
+    return image(values.astype(np.float32), (h, h, h), [c - 0.5 * edge for c in center])
+
+
+class AgainstThePeer(unittest.TestCase):
+    def test_strength_zero_equals_the_unshaded_ray_caster(self):
+        n = 64
+        data = marschner_lobb(n)
+        step = 0.1 * 2.0 / (n - 1)
+        peer = vtkOpenGLGPUVolumeRayCastMapper()
+        peer.AutoAdjustSampleDistancesOff()
+        peer.UseJitteringOff()
+        ours = vtkChiCombinedOcclusionVolumeMapper()
+        ours.SetOcclusionStrength(0.0)
+        for parallel in (False, True):
+            with self.subTest(parallel=parallel):
+                pictures = []
+                for mapper in (ours, peer):
+                    mapper.SetSampleDistance(step)
+                    scene = Scene((200, 200))
+                    scene.add_volume(data, volume_property(unit=0.1), mapper)
+                    scene.look((-0.5, -0.35, -0.8), half=1.6, parallel=parallel)
+                    pictures.append(scene.pixels())
+                inside = erode(pictures[1].max(axis=2) > 0, 2)
+                self.assertGreater(inside.sum(), 8000)
+                difference = 255.0 * np.abs(pictures[0] - pictures[1]).max(axis=2)[inside]
+                # the issue's bounds
+                self.assertLessEqual(difference.mean(), 1.0)
+                self.assertLessEqual(np.percentile(difference, 99.0), 2.0)
+
+
+class GeometryAndVolume(unittest.TestCase):
+    def fog_scene(self, direction, up, parallel, strength):
+        """A black sphere whose lower half sticks in white fog that fills z < 0 of a cube."""
+        n = 33
+        values = np.ones((17, n, n), np.float32)
+        h = 2.0 / (n - 1)
+        data = image(values, (h, h, h), (-1.0, -1.0, -1.0))
+        scene = Scene((101, 101))
+        _, mapper = scene.add_volume(data, volume_property(1.0, 0.6, 1.0, WHITE))
+        mapper.SetOcclusionStrength(strength)
+        scene.renderer.AddActor(sphere(0.5, color=(0.0, 0.0, 0.0)))
+        scene.look(direction, up, half=1.3, parallel=parallel)
+        scene.window.Render()
+        return float_image(mapper), h
+
+    def test_a_sphere_half_inside_fog_is_cut_at_the_right_depth(self):
+        # white fog, black sphere, no shading: brightness is the alpha of the fog in front
+        sigma = -np.log(1.0 - 0.6)
+        for parallel in (True, False):
+            with self.subTest(parallel=parallel):
+                above, h = self.fog_scene((0, 0, -1), (0, 1, 0), parallel, 0.0)
+                centre = above[50, 50]
+                self.assertEqual(centre[3], 1.0)
+                # from above the sphere's top stands out of the fog
+                self.assertLessEqual(centre[0], 0.5 / 255.0)
+                below, h = self.fog_scene((0, 0, 1), (0, 1, 0), parallel, 0.0)
+                # half a unit of fog from its floor to the sphere; the first and last slab may each
+                # be off by half a slice
+                expected = 1.0 - np.exp(-0.5 * sigma)
+                self.assertLessEqual(abs(below[50, 50, 0] - expected), sigma * h)
+                side, h = self.fog_scene((1, 0, 0), (0, 0, 1), parallel, 0.0)
+                # one row above the fog's surface nothing is in front, a few below there is
+                self.assertLessEqual(side[60, 50, 0], 0.5 / 255.0)
+                self.assertGreater(side[42, 50, 0], 0.2)
+
+    def test_a_sphere_half_inside_fog_looks_alike_from_all_sides(self):
+        for parallel in (True, False):
+            for strength, bound in ((0.0, 1.0), (1.0, 6.0)):
+                with self.subTest(parallel=parallel, strength=strength):
+                    views = [
+                        self.fog_scene(d, (0, 0, 1), parallel, strength)[0]
+                        for d in ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0))
+                    ]
+                    for view in views[1:] + [views[0][:, ::-1]]:
+                        difference = 255.0 * np.abs(view - views[0]).max(axis=2)
+                        # unshaded: what rasterising the sphere leaves at its silhouette. Shaded: the
+                        # mirrored picture sees other directions of the cone, 0.02 of full visibility
+                        self.assertLessEqual(difference.mean(), bound)
+
+    def test_an_open_surface_that_faces_the_eye_keeps_its_colour(self):
+        for size in (96, 31):
+            for parallel in (True, False):
+                with self.subTest(size=size, parallel=parallel):
+                    scene = Scene((size, size))
+                    clear = cube(np.zeros((16, 16, 16)))
+                    _, mapper = scene.add_volume(clear)
+                    scene.renderer.AddActor(square(0.6, 0.1))
+                    scene.look(half=0.8, parallel=parallel)
+                    scene.window.Render()
+                    picture = float_image(mapper)
+                    covered = picture[..., 3] > 0
+                    self.assertGreater(covered.mean(), 0.4)
+                    self.assertGreaterEqual(picture[covered][:, 0].min(), 0.97)
+
+    def shaded(self, **switches):
+        """Two squares, one in front of the other, and between them a ball of smoke to one side."""
+        scene = Scene((96, 96))
+        _, mapper = scene.add_volume(
+            cube(np.pad(ball(30), 1), 0.8, (-0.2, 0.0, 0.0)), volume_property(1.0, 0.9, 0.1)
+        )
+        mapper.SetOcclusionBias(0.03)
+        for name, value in switches.items():
+            getattr(mapper, "Set" + name)(value)
+        scene.renderer.AddActor(square(0.9, -0.45, color=(0.9, 0.9, 0.9)))
+        small = square(0.12, 0.45, color=(0.3, 0.8, 0.3))
+        small.SetPosition(-0.1, 0.5, 0.0)
+        scene.renderer.AddActor(small)
+        pole = sphere(0.12, (0.45, -0.1, 0.0), color=(0.8, 0.3, 0.3))
+        scene.renderer.AddActor(pole)
+        scene.look((0.05, 0.1, -1.0), half=1.0)
+        scene.window.Render()
+        picture, visibility = float_image(mapper), visibility_image(mapper)
+        for prop in list(scene.renderer.GetActors()):
+            prop.GetProperty().SetColor(0.0, 0.0, 0.0)
+        scene.window.Render()
+        return picture, visibility, float_image(mapper)  # the last: light from the volume alone
+
+    def test_each_switch_changes_what_it_should_and_only_that(self):
+        every = self.shaded()
+        none = self.shaded(VolumeToVolume=False, GeometryOcclusion=False)
+        unshaded = self.shaded(OcclusionStrength=0.0)
+        self.assertEqual(np.abs(none[0] - unshaded[0]).max(), 0.0)
+        self.assertEqual(none[1].min(), 1.0)
+
+        def changes(other, index):
+            return 255.0 * np.abs(other[index] - every[index]).max()
+
+        # a switch that does not concern it changes nothing but the order of roundings
+        nothing, something = 1.0, 8.0
+        for name, volume, surface in (
+            ("VolumeToVolume", True, False),
+            ("GeometryToVolume", True, False),
+            ("VolumeToGeometry", False, True),
+            ("GeometryToGeometry", False, True),
+        ):
+            with self.subTest(switch=name):
+                off = self.shaded(**{name: False})
+                (self.assertGreater if volume else self.assertLess)(
+                    changes(off, 2), something if volume else nothing
+                )
+                (self.assertGreater if surface else self.assertLess)(
+                    changes(off, 1), something if surface else nothing
+                )
+                # without an occluder it can only get brighter
+                self.assertGreaterEqual((off[1] - every[1]).min(), -1.0 / 255.0)
+                self.assertGreaterEqual((off[2] - every[2]).min(), -1.0 / 255.0)
+        geometry_off = self.shaded(GeometryOcclusion=False)
+        self.assertEqual(geometry_off[1].min(), 1.0)
+        self.assertGreater(changes(geometry_off, 2), 8.0)
+
+    def test_skipping_changes_no_pixel(self):
+        for parallel in (True, False):
+            with self.subTest(parallel=parallel):
+                pictures = []
+                for skip in (True, False):
+                    scene = Scene((96, 96))
+                    _, mapper = scene.add_volume(
+                        cube(ball(32), 1.2), volume_property(1.0, 0.95, 0.05)
+                    )
+                    mapper.SetSkipping(skip)
+                    scene.renderer.AddActor(sphere(0.2, (0.35, 0.2, 0.25)))
+                    scene.renderer.AddActor(square(0.7, -0.3))
+                    scene.look((0.3, 0.2, -1.0), half=0.9, parallel=parallel)
+                    scene.window.Render()
+                    pictures.append(float_image(mapper))
+                    self.assertGreater(mapper.GetNumberOfSamples(), 0)
+                    if skip:
+                        self.assertGreater(mapper.GetNumberOfSkippedSamples(), 0)
+                # the issue's bound
+                self.assertLessEqual(255.0 * np.abs(pictures[0] - pictures[1]).max(), 1.0)
+
+    def test_the_window_shows_the_float_image(self):
+        scene = Scene((96, 96), background=(0.2, 0.4, 0.6))
+        _, mapper = scene.add_volume(cube(ball(24), 1.2), volume_property(unit=0.1))
+        scene.renderer.AddActor(sphere(0.3, (0.3, 0.2, 0.2), lit=True, color=(0.9, 0.6, 0.2)))
+        scene.look((0.3, 0.2, -1.0), half=0.9)
+        pixels = scene.pixels()
+        picture = float_image(mapper)
+        expected = picture[..., :3] + (1.0 - picture[..., 3:]) * np.array([0.2, 0.4, 0.6])
+        # 8 bits: the background, the picture before it is blended (colour and alpha), the result
+        self.assertLessEqual(255.0 * np.abs(pixels - expected).max(), 2.01)
+
+    def test_darkening_and_rewriting_agree(self):
+        pictures = []
+        for fxaa in (False, True):  # FXAA is one of the cases in which pixels are darkened
+            scene = Scene((96, 96))
+            scene.add_volume(cube(ball(24), 1.2), volume_property(unit=0.1))
+            scene.renderer.SetUseFXAA(fxaa)
+            scene.renderer.AddActor(square(0.7, -0.3, color=(0.9, 0.6, 0.2)))
+            scene.look(half=0.9)
+            pictures.append(scene.pixels())
+        inside = np.zeros((96, 96), bool)
+        inside[14:82, 14:82] = True  # away from the silhouette of the square
+        # 8 bits: the colour below, before it is darkened, and what is blended over it
+        self.assertLessEqual(255.0 * np.abs(pictures[0] - pictures[1])[inside].max(), 2.01)
+
+
+class SeveralVolumes(unittest.TestCase):
+    def build(self, order, direction, parallel=True, geometry=False, wait=False):
+        n = 20
+        parts = {
+            "near": (cube(ball(n), 0.8, (0.1, 0.05, 0.6)), ((0, (1, 0.2, 0.2)), (1, (1, 0.2, 0.2)))),
+            "far": (cube(ball(n), 0.8, (-0.1, 0.0, -0.6)), ((0, (0.2, 1, 0.2)), (1, (0.2, 1, 0.2)))),
+        }
+        scene = Scene((96, 96), background=(0.1, 0.2, 0.4))
+        mappers = []
+        for name in order:
+            data, colors = parts[name]
+            _, mapper = scene.add_volume(data, volume_property(1.0, 0.5, 0.1, colors))
+            mappers.append(mapper)
+        if geometry:
+            scene.renderer.AddActor(square(0.9, 0.0, color=(0.8, 0.8, 0.8)))
+        scene.look(direction, half=1.0, parallel=parallel)
+        return scene.pixels(), [float_image(mapper) for mapper in mappers]
+
+    def test_disjoint_volumes_equal_each_alone_composited_by_depth(self):
+        background = np.array([0.1, 0.2, 0.4])
+        for direction, front in (((0.1, 0.1, -1), "near"), ((0.1, 0.1, 1), "far"), ((0.3, -0.2, -1), "near")):
+            for parallel in (True, False):
+                with self.subTest(direction=direction, parallel=parallel):
+                    alone = {
+                        name: self.build([name], direction, parallel)[1][0] for name in ("near", "far")
+                    }
+                    first = alone[front]
+                    second = alone["far" if front == "near" else "near"]
+                    both = first + (1.0 - first[..., 3:]) * second
+                    expected = both[..., :3] + (1.0 - both[..., 3:]) * background
+                    self.assertGreater(((first[..., 3] > 0.1) & (second[..., 3] > 0.1)).sum(), 50)
+                    for order in (("near", "far"), ("far", "near")):
+                        pixels, _ = self.build(order, direction, parallel)
+                        # 8 bits: the background, and of each layer its colour, alpha and the result
+                        self.assertLessEqual(255.0 * np.abs(pixels - expected).max(), 3.01)
+
+    def test_the_order_of_insertion_does_not_show_with_geometry_either(self):
+        one, _ = self.build(("near", "far"), (0.1, 0.1, -1), geometry=True)
+        other, _ = self.build(("far", "near"), (0.1, 0.1, -1), geometry=True)
+        difference = 255.0 * np.abs(one - other).max(axis=2)
+        # the volumes' shadows on the square are factors; its own is taken with the first of them
+        self.assertLessEqual(difference.mean(), 1.0)
+
+    def test_a_volume_of_another_mapper_is_drawn_over_as_vtk_does(self):
+        scene = Scene((64, 64))
+        scene.add_volume(cube(ball(20), 0.8, (0, 0, -0.6)), volume_property(1.0, 0.5, 0.1))
+        scene.add_volume(
+            cube(ball(20), 0.5, (0, 0, 0.6)),
+            volume_property(1.0, 0.99, 0.01, WHITE),
+            vtkOpenGLGPUVolumeRayCastMapper(),
+        )
+        scene.look(half=1.0)
+        self.assertGreater(scene.pixels()[32, 32].min(), 0.9)
+
+
+class Renderer(unittest.TestCase):
+    def fill(self, scene, renderer):
+        _, mapper = scene.add_volume(cube(ball(24), 1.2), volume_property(unit=0.1), renderer=renderer)
+        renderer.AddActor(sphere(0.3, (0.3, 0.2, 0.2), lit=True, color=(0.9, 0.6, 0.2)))
+        scene.look((0.3, 0.2, -1.0), half=0.9, parallel=False, renderer=renderer)
+        return mapper
+
+    def test_two_viewports_each_show_the_picture_of_a_window_of_their_size(self):
+        alone = Scene((80, 90))
+        self.fill(alone, alone.renderer)
+        expected = alone.pixels()
+        pair = Scene((160, 90), viewports=((0, 0, 0.5, 1), (0.5, 0, 1, 1)))
+        for renderer in pair.renderers:
+            self.fill(pair, renderer)
+        pixels = pair.pixels()
+        self.assertGreater(expected.max(), 0.5)
+        self.assertEqual(np.abs(pixels[:, :80] - expected).max(), 0.0)
+        self.assertEqual(np.abs(pixels[:, 80:] - expected).max(), 0.0)
+
+    def test_one_mapper_in_two_windows_and_two_renderers(self):
+        first = Scene((64, 64))
+        mapper = self.fill(first, first.renderer)
+        expected = first.pixels()
+        second = Scene((64, 64))
+        second.add_volume(
+            mapper.GetInput(), volume_property(unit=0.1), mapper=mapper
+        )
+        second.renderer.AddActor(sphere(0.3, (0.3, 0.2, 0.2), lit=True, color=(0.9, 0.6, 0.2)))
+        second.look((0.3, 0.2, -1.0), half=0.9, parallel=False)
+        self.assertEqual(np.abs(second.pixels() - expected).max(), 0.0)
+        self.assertEqual(np.abs(first.pixels() - expected).max(), 0.0)
+
+    def test_the_state_of_opengl_is_restored(self):
+        plain = Scene((160, 80), viewports=((0, 0, 0.5, 1), (0.5, 0, 1, 1)))
+        mixed = Scene((160, 80), viewports=((0, 0, 0.5, 1), (0.5, 0, 1, 1)))
+        self.fill(mixed, mixed.renderers[0])
+        for scene in (plain, mixed):
+            renderer = scene.renderers[1]
+            renderer.AddActor(sphere(0.5, (0.3, 0.0, 0.0), lit=True))
+            glass = sphere(0.5, (-0.3, 0.0, 0.0), lit=True, color=(1.0, 0.3, 0.3))
+            glass.GetProperty().SetOpacity(0.4)
+            renderer.AddActor(glass)
+            scene.look(half=1.0, renderer=renderer)
+        for _ in range(2):
+            self.assertEqual(np.abs(plain.pixels()[:, 80:] - mixed.pixels()[:, 80:]).max(), 0.0)
+
+    def test_a_layer_above_keeps_the_volume_below(self):
+        scene = Scene((80, 80))
+        self.fill(scene, scene.renderer)
+        expected = scene.pixels()
+        from vtkmodules.vtkRenderingCore import vtkRenderer
+
+        scene.window.SetNumberOfLayers(2)
+        top = vtkRenderer()
+        top.SetLayer(1)
+        scene.window.AddRenderer(top)
+        top.AddActor(square(0.1))
+        scene.look(half=1.0, renderer=top)
+        pixels = scene.pixels()
+        self.assertEqual(np.abs(pixels[:30] - expected[:30]).max(), 0.0)
+        self.assertEqual(pixels[40, 40].min(), 1.0)
+
+    def test_an_unchanged_frame_is_reused_and_each_change_is_seen(self):
+        scene = Scene((64, 64))
+        mapper = self.fill(scene, scene.renderer)
+        prop = scene.renderer.GetActors().GetLastActor()
+        volume = scene.renderer.GetVolumes().GetLastProp()
+
+        def frame():
+            scene.window.Render()
+            return mapper.GetReusedLastFrame(), mapper.GetReusedGeometry()
+
+        self.assertEqual(frame(), (False, False))
+        first = scene.pixels()
+        self.assertEqual(frame(), (True, True))
+        self.assertEqual(np.abs(scene.pixels() - first).max(), 0.0)
+        self.assertEqual(mapper.GetSecondsGeometry(), 0.0)
+        # a colour of the geometry is no matter for the engine
+        prop.GetProperty().SetColor(0.1, 0.6, 0.2)
+        self.assertEqual(frame(), (True, False))
+        self.assertGreater(np.abs(scene.pixels() - first).max(), 0.1)
+        volume.GetProperty().GetScalarOpacity(0).AddPoint(0.5, 0.4)
+        self.assertEqual(frame(), (False, True))
+        self.assertEqual(frame(), (True, True))
+        prop.SetPosition(0.1, 0.0, 0.0)
+        self.assertEqual(frame(), (False, False))
+        scene.renderer.GetActiveCamera().Azimuth(1.0)
+        self.assertEqual(frame(), (False, False))
+        mapper.SetOcclusionStrength(0.5)
+        self.assertEqual(frame(), (False, True))
+        mapper.GetInput().GetPointData().GetScalars().Modified()
+        self.assertEqual(frame(), (False, True))
+        volume.SetPosition(0.0, 0.1, 0.0)
+        self.assertEqual(frame(), (False, True))
+
+    def test_a_window_of_one_pixel(self):
+        scene = Scene((1, 1))
+        mapper = self.fill(scene, scene.renderer)
+        scene.window.SetSize(1, 1)
+        scene.look(half=0.5)
+        scene.window.Render()
+        picture = float_image(mapper)
+        self.assertTrue(np.isfinite(picture).all())
+
+    def test_nothing_to_draw_leaves_the_background(self):
+        scene = Scene((40, 40), background=(0.2, 0.4, 0.6))
+        _, mapper = scene.add_volume(cube(np.zeros((8, 8, 8))))
+        messages = Messages(mapper)
+        scene.look()
+        expected = np.round(255.0 * np.array([0.2, 0.4, 0.6])) / 255.0
+        self.assertLess(np.abs(scene.pixels() - expected).max(), 1e-9)
+        self.assertEqual((messages.errors, messages.warnings), ([], []))
+        self.assertEqual(mapper.GetNumberOfSamples(), 0)
+
+    def test_a_selection_finds_the_actor_behind_the_volume(self):
+        scene = Scene((64, 64))
+        self.fill(scene, scene.renderer)
+        target = scene.renderer.GetActors().GetLastActor()
+        scene.window.Render()
+        selector = vtkHardwareSelector()
+        selector.SetRenderer(scene.renderer)
+        selector.SetArea(0, 0, 63, 63)
+        selector.SetFieldAssociation(vtkDataObject.FIELD_ASSOCIATION_CELLS)
+        selection = selector.Select()
+        props = {selection.GetNode(i).GetProperties().Get(selection.GetNode(i).PROP()) for i in range(selection.GetNumberOfNodes())}
+        self.assertEqual(props, {target})
+
+    def test_depth_peeling_of_volumes_draws_once_and_says_so(self):
+        pictures = []
+        for peel in (False, True):
+            scene = Scene((80, 80))
+            mapper = self.fill(scene, scene.renderer)
+            messages = Messages(mapper)
+            glass = square(0.5, 0.8, color=(0.2, 0.9, 0.2))
+            glass.SetPosition(-0.6, -0.6, 0.0)
+            glass.GetProperty().SetOpacity(0.5)
+            scene.renderer.AddActor(glass)
+            scene.renderer.SetUseDepthPeeling(peel)
+            scene.renderer.SetUseDepthPeelingForVolumes(peel)
+            scene.renderer.SetMaximumNumberOfPeels(4)
+            scene.window.Render()
+            pictures.append(scene.pixels())
+            pictures.append(float_image(mapper))
+            if peel:
+                self.assertEqual(len(messages.warnings), 1)
+                self.assertIn("depth peeling", messages.warnings[0])
+        # away from the glass the pictures agree, but for blending in 8 bits
+        far = np.s_[50:, 50:]
+        self.assertGreater(pictures[0][far].max(), 0.5)
+        self.assertLessEqual(255.0 * np.abs(pictures[0][far] - pictures[2][far]).max(), 2.01)
+        self.assertEqual(np.abs(pictures[1] - pictures[3]).max(), 0.0)
+
+    def test_removing_and_adding_again_works(self):
+        scene = Scene((64, 64))
+        self.fill(scene, scene.renderer)
+        expected = scene.pixels()
+        volume = scene.renderer.GetVolumes().GetLastProp()
+        scene.renderer.RemoveViewProp(volume)
+        without = scene.pixels()
+        self.assertGreater(np.abs(without - expected).max(), 0.1)
+        scene.renderer.AddVolume(volume)
+        self.assertEqual(np.abs(scene.pixels() - expected).max(), 0.0)
+
+
+if __name__ == "__main__":
+    unittest.main()
