@@ -18,12 +18,13 @@
 #include <string>
 #include <sys/stat.h>
 
-// Compares a window with a committed picture: one metric for all versions of VTK (vtkTesting's differs).
+// Compares a window with a committed picture: one metric for all versions of VTK (vtkTesting's
+// differs).
 namespace ChiTestImage
 {
 // argv[1]: folder of baselines, argv[2]: folder for the pictures of failed comparisons.
-// Mean difference <= 1 / 255 and 99 % of the pixels <= 4 / 255: what the project calls "within 1 / 255",
-// which rounding to 8 bits and a new version of the software rasteriser stay below.
+// Mean difference <= 1 / 255 and 99 % of the pixels <= 4 / 255: what the project calls "within 1 /
+// 255", which rounding to 8 bits and a new version of the software rasteriser stay below.
 inline bool Compare(vtkRenderWindow* window, int argc, char* argv[], const std::string& name)
 {
   vtkNew<vtkWindowToImageFilter> grab;
@@ -32,7 +33,8 @@ inline bool Compare(vtkRenderWindow* window, int argc, char* argv[], const std::
   grab->ReadFrontBufferOff();
   grab->ShouldRerenderOff();
   grab->Update();
-  const std::string baseline = argc > 1 ? std::string(argv[1]) + "/" + name + ".png" : std::string();
+  const std::string baseline =
+    argc > 1 ? std::string(argv[1]) + "/" + name + ".png" : std::string();
   const std::string written = argc > 2 ? std::string(argv[2]) + "/" + name + ".png" : name + ".png";
   const auto keep = [&grab, &written](const std::string& why)
   {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
 // SPDX-License-Identifier: BSD-3-Clause
-// A picture with everything in it: a volume with soft and hard parts, geometry in front of it, in it and
-// behind it. Properties first, the baseline second.
+// A picture with everything in it: a volume with soft and hard parts, geometry in front of it, in
+// it and behind it. Properties first, the baseline second.
 #include "ChiTestImage.h"
 
 #include "vtkChiCombinedOcclusionVolumeMapper.h"
@@ -116,7 +116,8 @@ int TestChiCombinedOcclusionScene(int argc, char* argv[])
   };
   claim(!mapper->GetReusedLastFrame(), "the first frame is rendered");
   claim(mapper->GetNumberOfSamples() > 0, "samples are counted");
-  claim(mapper->GetSecondsTotal() >= mapper->GetSecondsEngine(), "the whole takes longer than a part");
+  claim(
+    mapper->GetSecondsTotal() >= mapper->GetSecondsEngine(), "the whole takes longer than a part");
   claim(mapper->GetTimeToDraw() > 0.0, "the time to draw is reported");
   vtkNew<vtkImageData> image;
   claim(mapper->GetVisibilityImage(image), "there is a visibility image");

@@ -2,9 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Scenes for the tests and the benchmark of vtkChiCombinedOcclusionVolumeMapper."""
 import numpy as np
-import vtkmodules.vtkInteractionStyle  # noqa: F401 (registers the factories)
-import vtkmodules.vtkRenderingFreeType  # noqa: F401
-import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
+import vtkmodules.vtkRenderingOpenGL2  # noqa: F401 (registers the factories)
 import vtkmodules.vtkRenderingVolumeOpenGL2  # noqa: F401
 from vtkmodules.util.misc import calldata_type
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
