@@ -70,12 +70,14 @@ static int range_is_visible(const chi_classification* c, const float range[2])
   const double end = (double)(c->entries - 1);
   double low = ((double)range[0] - c->base) * c->scale + c->offset;
   double high = ((double)range[1] - c->base) * c->scale + c->offset;
-  low = floor(low < 0 ? 0 : low > end ? end : low);
-  high = ceil(high < 0 ? 0 : high > end ? end : high);
-  /* One entry more on both sides: the kernels round positions to float. */
-  const size_t first = low > 0 ? (size_t)low - 1 : 0;
-  const size_t last = high < end ? (size_t)high + 1 : (size_t)end;
-  return before[last + 1] > before[first];
+  /* A brick of exactly the scalar at which a ramp begins is transparent: a thousandth of an entry, what
+   * the kernels' floats may add, counts for nothing. */
+  const double tolerance = 1e-3;
+  low += tolerance;
+  high -= tolerance;
+  const size_t first = (size_t)(low < 0 ? 0 : low > end ? end : low);
+  const size_t last = (size_t)ceil(high < 0 ? 0 : high > end ? end : high);
+  return last >= first ? before[last + 1] > before[first] : 0;
 }
 
 typedef struct classify_job
