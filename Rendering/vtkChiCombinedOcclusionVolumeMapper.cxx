@@ -78,7 +78,8 @@ struct vtkChiCombinedOcclusionVolumeMapper::Internals
   double SecondsCollect = 0.0;
   double SecondsComposite = 0.0;
   double SecondsTotal = 0.0;
-  std::set<std::string> Said;
+  std::set<std::string> Warnings; // each is said once
+  std::set<std::string> Errors;   // and these again after a frame that went well
 };
 
 namespace
@@ -198,7 +199,8 @@ void vtkChiCombinedOcclusionVolumeMapper::SetGeometryOcclusion(bool on)
 //------------------------------------------------------------------------------
 void vtkChiCombinedOcclusionVolumeMapper::SayOnce(const char* what, bool isError)
 {
-  if (!this->Internal->Said.insert(what).second)
+  std::set<std::string>& said = isError ? this->Internal->Errors : this->Internal->Warnings;
+  if (!said.insert(what).second)
   {
     return;
   }
@@ -325,15 +327,15 @@ void vtkChiCombinedOcclusionVolumeMapper::CollectUnsupported(vtkVolume* volume)
     "depth peeling for volumes (vtkRenderer::SetUseDepthPeelingForVolumes) is not supported yet: "
     "the "
     "volume is drawn below all translucent geometry");
-  if (this->Engine == ENGINE_OPENGL)
-  {
-    this->SayOnce("the OpenGL engine is not there yet: the CPU engine renders", true);
-  }
 }
 
 //------------------------------------------------------------------------------
 void vtkChiCombinedOcclusionVolumeMapper::CollectParameters()
 {
+  if (this->Engine == ENGINE_OPENGL && this->Internal->Warnings.insert("OpenGL").second)
+  {
+    vtkErrorMacro("the OpenGL engine is not there yet: the CPU engine renders");
+  }
   Internals& in = *this->Internal;
   chi_occlusion_params& params = in.Params;
   chi_occlusion_default_params(&params);
@@ -525,6 +527,10 @@ void vtkChiCombinedOcclusionVolumeMapper::Report()
 {
   Internals& in = *this->Internal;
   this->TimeToDraw = in.SecondsTotal;
+  if (in.HasVolume && in.Image.rgba)
+  {
+    in.Errors.clear();
+  }
   if (in.Image.rgba == nullptr)
   {
     in.SecondsComposite = 0.0;

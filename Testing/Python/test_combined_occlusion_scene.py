@@ -17,8 +17,10 @@ from occlusion_scene import (
     visibility_image,
     volume_property,
 )
+from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkDataObject
-from vtkmodules.vtkRenderingCore import vtkHardwareSelector
+from vtkmodules.vtkCommonTransforms import vtkTransform
+from vtkmodules.vtkRenderingCore import vtkHardwareSelector, vtkRenderer, vtkWindowToImageFilter
 from vtkmodules.vtkRenderingVolumeOpenGL2 import vtkOpenGLGPUVolumeRayCastMapper
 
 from chiaroscuro.vtkChiRendering import vtkChiCombinedOcclusionVolumeMapper
@@ -331,8 +333,6 @@ class Renderer(unittest.TestCase):
         scene = Scene((80, 80))
         self.fill(scene, scene.renderer)
         expected = scene.pixels()
-        from vtkmodules.vtkRenderingCore import vtkRenderer
-
         scene.window.SetNumberOfLayers(2)
         top = vtkRenderer()
         top.SetLayer(1)
@@ -432,6 +432,113 @@ class Renderer(unittest.TestCase):
         self.assertGreater(pictures[0][far].max(), 0.5)
         self.assertLessEqual(255.0 * np.abs(pictures[0][far] - pictures[2][far]).max(), 2.01)
         self.assertEqual(np.abs(pictures[1] - pictures[3]).max(), 0.0)
+
+    def test_multisampled_edges_stay_as_they_are(self):
+        pictures = []
+        for with_volume in (False, True):
+            scene = Scene((64, 64))
+            scene.window.SetMultiSamples(4)
+            scene.renderer.AddActor(sphere(0.3, (-0.5, 0.2, 0.0), lit=True))
+            if with_volume:
+                volume, mapper = scene.add_volume(cube(ball(16), 0.5))
+                volume.SetPosition(0.6, 0.0, 0.0)
+                mapper.SetGeometryOcclusion(False)
+            scene.look(half=1.0)
+            pictures.append(scene.pixels()[:, :32])
+        self.assertGreater(len(np.unique(pictures[0])), 20)
+        self.assertEqual(np.abs(pictures[0] - pictures[1]).max(), 0.0)
+
+    def test_a_transparent_window_gets_premultiplied_colour_and_alpha(self):
+        scene = Scene((64, 64))
+        scene.window.SetAlphaBitPlanes(1)
+        scene.renderer.SetBackgroundAlpha(0.0)
+        mapper = self.fill(scene, scene.renderer)
+        scene.window.Render()
+        grab = vtkWindowToImageFilter()
+        grab.SetInput(scene.window)
+        grab.SetInputBufferTypeToRGBA()
+        grab.ReadFrontBufferOff()
+        grab.ShouldRerenderOff()
+        grab.Update()
+        pixels = vtk_to_numpy(grab.GetOutput().GetPointData().GetScalars()).reshape(64, 64, 4)
+        # 8 bits: the picture before it is blended, and the result
+        self.assertLessEqual(np.abs(pixels - 255.0 * float_image(mapper)).max(), 1.01)
+
+    def test_tiles_fit_together(self):
+        for parallel in (True, False):
+            with self.subTest(parallel=parallel):
+                whole, tiled = Scene((128, 128)), Scene((64, 64))
+                for scene in (whole, tiled):
+                    mapper = self.fill(scene, scene.renderer)
+                    mapper.SetOcclusionStrength(0.0)  # light does not cross the border of a tile
+                    scene.look((0.3, 0.2, -1.0), half=0.9, parallel=parallel)
+                expected = whole.pixels()
+                grab = vtkWindowToImageFilter()
+                grab.SetInput(tiled.window)
+                grab.SetScale(2)
+                grab.SetInputBufferTypeToRGB()
+                grab.ReadFrontBufferOff()
+                grab.Update()
+                pixels = vtk_to_numpy(grab.GetOutput().GetPointData().GetScalars())
+                difference = np.abs(pixels.reshape(128, 128, 3) - 255.0 * expected).max(axis=2)
+                # the silhouette of the sphere may be rasterised otherwise
+                self.assertLessEqual(np.percentile(difference, 99.0), 1.0)
+
+    def test_each_eye_of_a_stereo_pair_gets_its_own_picture(self):
+        scene = Scene((128, 64))
+        self.fill(scene, scene.renderer)
+        scene.window.StereoCapableWindowOn()
+        scene.window.SetStereoTypeToSplitViewportHorizontal()
+        scene.window.StereoRenderOn()
+        scene.renderer.GetActiveCamera().SetEyeAngle(10.0)
+        pixels = scene.pixels()
+        left, right = pixels[:, :64], pixels[:, 64:]
+        self.assertGreater(min(left.max(), right.max()), 0.5)
+        self.assertGreater(np.abs(left - right).max(), 0.1)
+
+    def test_a_view_that_scales_and_mirrors_the_world_is_followed(self):
+        transform = vtkTransform()
+        transform.Scale(-0.5, 0.5, 0.5)
+        pictures = []
+        for by_view in (True, False):
+            scene = Scene((96, 96))
+            volume, mapper = scene.add_volume(
+                cube(ball(24, 0.3, 0.2, (0.1, 0.1, 0.0)), 1.2), volume_property(unit=0.1)
+            )
+            prop = sphere(0.3, (0.3, 0.2, 0.2))
+            scene.renderer.AddActor(prop)
+            scene.look(half=0.7)
+            if by_view:
+                camera = scene.renderer.GetActiveCamera()
+                camera.SetModelTransformMatrix(transform.GetMatrix())
+            else:
+                volume.SetUserTransform(transform)
+                prop.SetUserTransform(transform)
+            scene.window.Render()
+            pictures.append(float_image(mapper))
+        self.assertGreater(pictures[0][..., 3].max(), 0.9)
+        self.assertLessEqual(255.0 * np.abs(pictures[0] - pictures[1]).mean(), 0.1)
+
+    def test_errors_come_back_after_a_good_frame(self):
+        scene = Scene((32, 32))
+        _, mapper = scene.add_volume(cube(ball(8)))
+        messages = Messages(mapper)
+        scene.look()
+        for mode, errors in ((3, 1), (3, 1), (0, 1), (3, 2)):
+            mapper.SetScalarMode(mode)
+            mapper.SelectScalarArray("missing")
+            scene.window.Render()
+            self.assertEqual(len(messages.errors), errors)
+
+    def test_too_many_slices_is_an_error_that_names_the_setting(self):
+        scene = Scene((32, 32))
+        _, mapper = scene.add_volume(cube(ball(8)))
+        messages = Messages(mapper)
+        mapper.SetSampleDistance(1e-12)
+        scene.look()
+        scene.window.Render()
+        self.assertEqual(len(messages.errors), 1)
+        self.assertIn("SampleDistance", messages.errors[0])
 
     def test_removing_and_adding_again_works(self):
         scene = Scene((64, 64))
