@@ -8,8 +8,8 @@
 #include "vtkChiCombinedOcclusionVolumeMapper.h"
 
 #include "vtkChiCameraView.h"
+#include "vtkChiCompositor.h"
 #include "vtkChiExec.h"
-#include "vtkChiOcclusionCompositeFS.h"
 #include "vtkChiOcclusionFrame.h"
 #include "vtkChiVolumeInput.h"
 
@@ -24,17 +24,12 @@
 #include "vtkMultiVolume.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
-#include "vtkOpenGLQuadHelper.h"
 #include "vtkOpenGLRenderPass.h"
 #include "vtkOpenGLRenderWindow.h"
-#include "vtkOpenGLShaderCache.h"
-#include "vtkOpenGLState.h"
 #include "vtkPlaneCollection.h"
 #include "vtkPointData.h"
 #include "vtkPropCollection.h"
 #include "vtkRenderer.h"
-#include "vtkShaderProgram.h"
-#include "vtkTextureObject.h"
 #include "vtkTimerLog.h"
 #include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
@@ -67,13 +62,9 @@ struct vtkChiCombinedOcclusionVolumeMapper::Internals
   chi_occlusion_image Image = {};
   chi_occlusion_stats Stats = {};
 
-  // drawing
-  vtkOpenGLQuadHelper* Quad = nullptr;
-  vtkWeakPointer<vtkRenderWindow> QuadWindow;
-  vtkNew<vtkTextureObject> Layer;
-  vtkNew<vtkTextureObject> Visibility;
-  bool Uploaded = false; // the textures hold the engine's last picture
-  std::vector<float> Merged;
+  vtkChiCompositor Compositor;
+  bool LastMerged = false;
+  std::vector<float> Merged; // the picture fitted in between other mappers' pictures
 
   double SecondsCollect = 0.0;
   double SecondsComposite = 0.0;
@@ -121,46 +112,6 @@ int countOcclusionVolumes(vtkRenderer* renderer)
 }
 
 //------------------------------------------------------------------------------
-bool hasTranslucentGeometry(vtkRenderer* renderer)
-{
-  vtkCollectionSimpleIterator cookie;
-  vtkPropCollection* props = renderer->GetViewProps();
-  props->InitTraversal(cookie);
-  while (vtkProp* prop = props->GetNextProp(cookie))
-  {
-    if (prop->GetVisibility() && prop->HasTranslucentPolygonalGeometry())
-    {
-      return true;
-    }
-  }
-  return false;
-}
-
-//------------------------------------------------------------------------------
-// Whether the bound frame buffer holds just what the private buffer holds where there is geometry.
-// In all other cases rewriting pixels would take away what others have drawn.
-bool mayRewriteSurface(vtkRenderer* renderer)
-{
-  int samples = 0;
-  glGetIntegerv(GL_SAMPLES, &samples);
-  return samples <= 1 && !renderer->GetPass() && !renderer->GetUseFXAA() &&
-    !renderer->GetUseShadows() && !renderer->GetUseSSAO() && !renderer->GetUseHiddenLineRemoval() &&
-    !hasTranslucentGeometry(renderer);
-}
-
-//------------------------------------------------------------------------------
-void uploadPlane(vtkTextureObject* texture, vtkOpenGLRenderWindow* window, int width, int height,
-  int components, const float* data)
-{
-  texture->SetContext(window);
-  texture->SetMinificationFilter(vtkTextureObject::Nearest);
-  texture->SetMagnificationFilter(vtkTextureObject::Nearest);
-  // the texture's interface takes no const, and only reads
-  texture->Create2DFromRaw(static_cast<unsigned int>(width), static_cast<unsigned int>(height),
-    components, VTK_FLOAT, const_cast<float*>(data));
-}
-
-//------------------------------------------------------------------------------
 vtkFloatArray* allocateImage(
   vtkImageData* image, int width, int height, int components, const char* name)
 {
@@ -184,7 +135,6 @@ vtkChiCombinedOcclusionVolumeMapper::vtkChiCombinedOcclusionVolumeMapper()
 //------------------------------------------------------------------------------
 vtkChiCombinedOcclusionVolumeMapper::~vtkChiCombinedOcclusionVolumeMapper()
 {
-  delete this->Internal->Quad;
   chi_occlusion_destroy(nullptr, this->Internal->Renderer);
 }
 
@@ -397,7 +347,6 @@ bool vtkChiCombinedOcclusionVolumeMapper::RenderEngine()
   chi_occlusion_get_stats(in.Renderer, &in.Stats);
   if (status != CHI_OK)
   {
-    in.Uploaded = false;
     std::string text = std::string("the occlusion engine gave up: ") + chi_status_string(status);
     if (status == CHI_ERROR_TOO_LARGE)
     {
@@ -408,7 +357,6 @@ bool vtkChiCombinedOcclusionVolumeMapper::RenderEngine()
     return false;
   }
   chi_occlusion_get_image(in.Renderer, &in.Image);
-  in.Uploaded = in.Uploaded && in.Stats.reused;
   return in.Image.rgba != nullptr;
 }
 
@@ -417,107 +365,29 @@ void vtkChiCombinedOcclusionVolumeMapper::Composite(vtkRenderer* renderer, vtkVo
 {
   Internals& in = *this->Internal;
   const double start = vtkTimerLog::GetUniversalTime();
-  vtkOpenGLRenderWindow* window = vtkOpenGLRenderWindow::SafeDownCast(in.Window);
   vtkChiGeometryBuffer* geometry = in.Frame->GetGeometry();
-  const bool hasSurface = geometry->GetView() != nullptr;
   in.Frame->AddLayer(
     volume, in.Camera.Get(), in.HasVolume ? in.Input.GetVolume() : nullptr, &in.Image, in.Shared);
-
-  // upload
-  const bool merged = in.Shared && !in.First;
-  if (merged)
+  vtkChiCompositor::Picture picture;
+  picture.Width = in.Image.width;
+  picture.Height = in.Image.height;
+  picture.Rgba = in.Image.rgba;
+  picture.Visibility = in.Image.visibility;
+  // merged pictures change with what lies in front and behind
+  const bool merge = in.Shared && !in.First;
+  picture.Unchanged = in.Stats.reused != 0 && !merge && !in.LastMerged;
+  in.LastMerged = merge;
+  if (merge)
   {
     in.Frame->MergeLastLayer(in.Merged);
+    picture.Rgba = in.Merged.empty() ? in.Image.rgba : in.Merged.data();
   }
-  if (!in.Uploaded || merged || !in.Layer->GetHandle())
-  {
-    const bool useMerged = merged && !in.Merged.empty();
-    uploadPlane(in.Layer, window, in.Image.width, in.Image.height, 4,
-      useMerged ? in.Merged.data() : in.Image.rgba);
-    uploadPlane(in.Visibility, window, in.Image.width, in.Image.height, 1, in.Image.visibility);
-    in.Uploaded = !merged;
-  }
-
-  // While volumes are peeled a buffer of the peeling pass is bound for drawing; the frame buffer
-  // that holds the opaque geometry is the one bound for reading.
-  vtkOpenGLState* state = window->GetState();
-  vtkOpenGLState::ScopedglViewport viewport(state);
-  vtkOpenGLState::ScopedglScissor scissor(state);
-  if (in.Peeling)
-  {
-    int target = 0;
-    glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &target);
-    state->PushFramebufferBindings();
-    state->vtkglBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<unsigned int>(target));
-    int size[2];
-    int origin[2];
-    renderer->GetTiledSizeAndOrigin(&size[0], &size[1], &origin[0], &origin[1]);
-    state->vtkglViewport(origin[0], origin[1], in.Viewport[2], in.Viewport[3]);
-    state->vtkglScissor(origin[0], origin[1], in.Viewport[2], in.Viewport[3]);
-  }
-
-  if (in.Quad && in.QuadWindow.GetPointer() != window)
-  {
-    delete in.Quad;
-    in.Quad = nullptr;
-  }
-  if (!in.Quad)
-  {
-    in.QuadWindow = window;
-    in.Quad = new vtkOpenGLQuadHelper(window, nullptr, vtkChiOcclusionCompositeFS, "");
-  }
-  else
-  {
-    window->GetShaderCache()->ReadyShaderProgram(in.Quad->Program);
-  }
-  if (in.Quad->Program)
-  {
-    vtkOpenGLState::ScopedglEnableDisable blend(state, GL_BLEND);
-    vtkOpenGLState::ScopedglEnableDisable depthTest(state, GL_DEPTH_TEST);
-    vtkOpenGLState::ScopedglEnableDisable cullFace(state, GL_CULL_FACE);
-    vtkOpenGLState::ScopedglBlendFuncSeparate blendFunction(state);
-    vtkOpenGLState::ScopedglDepthMask depthMask(state);
-    int equation[2]; // depth peeling takes maxima
-    glGetIntegerv(GL_BLEND_EQUATION_RGB, &equation[0]);
-    glGetIntegerv(GL_BLEND_EQUATION_ALPHA, &equation[1]);
-    state->vtkglEnable(GL_BLEND);
-    state->vtkglBlendEquation(GL_FUNC_ADD);
-    state->vtkglBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-    state->vtkglDisable(GL_DEPTH_TEST); // the picture ends at the geometry by itself
-    state->vtkglDepthMask(GL_FALSE);
-    state->vtkglDisable(GL_CULL_FACE);
-
-    vtkTextureObject* color = hasSurface ? geometry->GetColor() : in.Layer.GetPointer();
-    vtkTextureObject* textures[3] = { in.Layer, in.Visibility, color };
-    const char* names[3] = { "layerTexture", "visibilityTexture", "surfaceTexture" };
-    vtkShaderProgram* program = in.Quad->Program;
-    for (int i = 0; i < (hasSurface ? 3 : 2); ++i)
-    {
-      textures[i]->Activate();
-      program->SetUniformi(names[i], textures[i]->GetTextureUnit());
-    }
-    if (!hasSurface)
-    {
-      program->SetUniformi(names[2], in.Layer->GetTextureUnit()); // declared, not read
-    }
-    program->SetUniformi("hasSurface", hasSurface ? 1 : 0);
-    program->SetUniformi(
-      "rewriteSurface", hasSurface && in.First && mayRewriteSurface(renderer) ? 1 : 0);
-    in.Quad->Render();
-    for (int i = 0; i < (hasSurface ? 3 : 2); ++i)
-    {
-      textures[i]->Deactivate();
-    }
-    state->vtkglBlendEquationSeparate(
-      static_cast<unsigned int>(equation[0]), static_cast<unsigned int>(equation[1]));
-  }
-  else
+  picture.Surface = geometry->GetView() ? geometry->GetColor() : nullptr;
+  picture.First = in.First;
+  picture.Peeling = in.Peeling;
+  if (!in.Compositor.Draw(renderer, picture))
   {
     this->SayOnce("the shader that draws the picture could not be built", true);
-  }
-  if (in.Peeling)
-  {
-    state->PopFramebufferBindings();
   }
   in.SecondsComposite = vtkTimerLog::GetUniversalTime() - start;
 }
@@ -697,16 +567,8 @@ const char* vtkChiCombinedOcclusionVolumeMapper::GetInstructionSet()
 void vtkChiCombinedOcclusionVolumeMapper::ReleaseGraphicsResources(vtkWindow* window)
 {
   Internals& in = *this->Internal;
-  delete in.Quad;
-  in.Quad = nullptr;
-  in.Uploaded = false;
-  if (!window) // vtkRenderer::SetRenderWindow says so before the first frame
-  {
-    return;
-  }
-  in.Layer->ReleaseGraphicsResources(window);
-  in.Visibility->ReleaseGraphicsResources(window);
-  if (in.Frame)
+  in.Compositor.ReleaseGraphicsResources(window);
+  if (in.Frame && window) // vtkRenderer::SetRenderWindow says null before the first frame
   {
     in.Frame->GetGeometry()->ReleaseGraphicsResources(window);
   }

@@ -182,7 +182,7 @@ bool vtkChiGeometryBuffer::Update(
 
   const double start = vtkTimerLog::GetUniversalTime();
   this->Draw(renderer, window);
-  this->ReadDepth(camera);
+  this->ConvertDepth(camera);
   this->SecondsReadBack = vtkTimerLog::GetUniversalTime() - start - this->SecondsDraw;
   this->Key = std::move(key);
   return this->AnySurface;
@@ -234,35 +234,40 @@ void vtkChiGeometryBuffer::Draw(vtkRenderer* renderer, vtkOpenGLRenderWindow* wi
     const PlainShaders plain(prop);
     prop->RenderOpaqueGeometry(renderer);
   }
-  this->Depth.resize(
+  this->WindowDepths.resize(
     static_cast<std::size_t>(this->Width) * static_cast<std::size_t>(this->Height));
   const double drawn = vtkTimerLog::GetUniversalTime();
   this->SecondsDraw = drawn - start;
-  glReadPixels(0, 0, this->Width, this->Height, GL_DEPTH_COMPONENT, GL_FLOAT, this->Depth.data());
+  glReadPixels(
+    0, 0, this->Width, this->Height, GL_DEPTH_COMPONENT, GL_FLOAT, this->WindowDepths.data());
   this->Target->RemoveColorAttachment(0);
   this->Target->RemoveDepthAttachment();
   state->PopFramebufferBindings();
 }
 
 //------------------------------------------------------------------------------
-// From the window's depth to the distance along the view axis; a version of its own, because a
-// change of colour alone must not make the engine render again.
-void vtkChiGeometryBuffer::ReadDepth(const vtkChiCameraView& camera)
+// From the window's depth to the distance along the view axis. The version is that of the depths,
+// not of the drawing: a change of colour alone must not make the engine render again.
+void vtkChiGeometryBuffer::ConvertDepth(const vtkChiCameraView& camera)
 {
-  this->AnySurface = false;
-  for (float& depth : this->Depth)
+  std::vector<float> depths(this->WindowDepths.size());
+  bool any = false;
+  for (std::size_t i = 0; i < depths.size(); ++i)
   {
-    const bool hit = depth < 1.0f;
-    this->AnySurface = this->AnySurface || hit;
-    depth = hit ? static_cast<float>(camera.Depth(depth)) : std::numeric_limits<float>::infinity();
+    const float window = this->WindowDepths[i];
+    const bool hit = window < 1.0f;
+    any = any || hit;
+    depths[i] = hit ? static_cast<float>(camera.Depth(static_cast<double>(window)))
+                    : std::numeric_limits<float>::infinity();
   }
+  this->AnySurface = any;
   this->View.struct_size = sizeof(chi_surface_view);
-  if (this->Depth != this->LastDepth)
+  if (depths != this->Depths)
   {
     ++this->View.version;
-    this->LastDepth = this->Depth;
+    this->Depths.swap(depths);
   }
-  this->View.depth = this->Depth.data();
+  this->View.depth = this->Depths.data();
 }
 
 //------------------------------------------------------------------------------

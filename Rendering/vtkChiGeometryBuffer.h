@@ -43,15 +43,15 @@ private:
   void CollectProps(vtkRenderer* renderer);
   std::vector<std::uint64_t> MakeKey(vtkRenderer* renderer, const vtkChiCameraView& camera) const;
   void Draw(vtkRenderer* renderer, vtkOpenGLRenderWindow* window);
-  void ReadDepth(const vtkChiCameraView& camera);
+  void ConvertDepth(const vtkChiCameraView& camera);
 
   vtkNew<vtkTextureObject> Color;
   vtkNew<vtkTextureObject> WindowDepth;
   vtkNew<vtkOpenGLFramebufferObject> Target;
   std::vector<vtkProp*> Props;
   std::vector<std::uint64_t> Key;
-  std::vector<float> Depth;
-  std::vector<float> LastDepth;
+  std::vector<float> WindowDepths; // as read back, 0 to 1
+  std::vector<float> Depths;       // along the view axis
   chi_surface_view View = {};
   int Width = 0;
   int Height = 0;

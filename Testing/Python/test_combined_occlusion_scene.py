@@ -271,6 +271,24 @@ class SeveralVolumes(unittest.TestCase):
         # the volumes' shadows on the square are factors; its own is taken with the first of them
         self.assertLessEqual(difference.mean(), 1.0)
 
+    def test_hiding_one_volume_shows_the_other_alone(self):
+        for hidden in (0, 1):
+            scene = Scene((64, 64))
+            volumes = [
+                scene.add_volume(cube(ball(16), 0.8, (0, 0, z)), volume_property(1.0, 0.5, 0.1))[0]
+                for z in (-0.6, 0.6)
+            ]
+            scene.look(half=1.0)
+            for volume in volumes:
+                volume.VisibilityOff()
+            volumes[1 - hidden].VisibilityOn()
+            expected = scene.pixels()
+            volumes[hidden].VisibilityOn()
+            both = scene.pixels()
+            self.assertGreater(np.abs(both - expected).max(), 0.05)
+            volumes[hidden].VisibilityOff()
+            self.assertEqual(np.abs(scene.pixels() - expected).max(), 0.0)
+
     def test_a_volume_of_another_mapper_is_drawn_over_as_vtk_does(self):
         scene = Scene((64, 64))
         scene.add_volume(cube(ball(20), 0.8, (0, 0, -0.6)), volume_property(1.0, 0.5, 0.1))

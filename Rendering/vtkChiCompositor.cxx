@@ -1,0 +1,197 @@
+// SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+// SPDX-License-Identifier: BSD-3-Clause
+#if __has_include("vtk_glad.h")
+#  include "vtk_glad.h"
+#else
+#  include "vtk_glew.h"
+#endif
+#include "vtkChiCompositor.h"
+
+#include "vtkChiOcclusionCompositeFS.h"
+
+#include "vtkOpenGLQuadHelper.h"
+#include "vtkOpenGLRenderWindow.h"
+#include "vtkOpenGLShaderCache.h"
+#include "vtkOpenGLState.h"
+#include "vtkProp.h"
+#include "vtkPropCollection.h"
+#include "vtkRenderer.h"
+#include "vtkShaderProgram.h"
+
+namespace
+{
+//------------------------------------------------------------------------------
+bool hasTranslucentGeometry(vtkRenderer* renderer)
+{
+  vtkCollectionSimpleIterator cookie;
+  vtkPropCollection* props = renderer->GetViewProps();
+  props->InitTraversal(cookie);
+  while (vtkProp* prop = props->GetNextProp(cookie))
+  {
+    if (prop->GetVisibility() && prop->HasTranslucentPolygonalGeometry())
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
+//------------------------------------------------------------------------------
+// Whether the bound frame buffer holds just what the private buffer holds where there is geometry.
+// In all other cases rewriting pixels would take away what others have drawn.
+bool mayRewriteSurface(vtkRenderer* renderer)
+{
+  int samples = 0;
+  glGetIntegerv(GL_SAMPLES, &samples);
+  return samples <= 1 && !renderer->GetPass() && !renderer->GetUseFXAA() &&
+    !renderer->GetUseShadows() && !renderer->GetUseSSAO() && !renderer->GetUseHiddenLineRemoval() &&
+    !hasTranslucentGeometry(renderer);
+}
+
+//------------------------------------------------------------------------------
+void uploadPlane(vtkTextureObject* texture, vtkOpenGLRenderWindow* window, int width, int height,
+  int components, const float* data)
+{
+  texture->SetContext(window);
+  texture->SetMinificationFilter(vtkTextureObject::Nearest);
+  texture->SetMagnificationFilter(vtkTextureObject::Nearest);
+  // the texture's interface takes no const, and only reads
+  texture->Create2DFromRaw(static_cast<unsigned int>(width), static_cast<unsigned int>(height),
+    components, VTK_FLOAT, const_cast<float*>(data));
+}
+}
+
+//------------------------------------------------------------------------------
+vtkChiCompositor::vtkChiCompositor() = default;
+
+//------------------------------------------------------------------------------
+vtkChiCompositor::~vtkChiCompositor()
+{
+  delete this->Quad;
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiCompositor::Draw(vtkRenderer* renderer, const Picture& picture)
+{
+  vtkOpenGLRenderWindow* window = vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow());
+  this->Upload(window, picture);
+
+  // While volumes are peeled a buffer of the peeling pass is bound for drawing; the frame buffer
+  // that holds the opaque geometry is the one bound for reading.
+  vtkOpenGLState* state = window->GetState();
+  vtkOpenGLState::ScopedglViewport viewport(state);
+  vtkOpenGLState::ScopedglScissor scissor(state);
+  if (picture.Peeling)
+  {
+    int target = 0;
+    glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &target);
+    state->PushFramebufferBindings();
+    state->vtkglBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<unsigned int>(target));
+    int size[2];
+    int origin[2];
+    renderer->GetTiledSizeAndOrigin(&size[0], &size[1], &origin[0], &origin[1]);
+    state->vtkglViewport(origin[0], origin[1], picture.Width, picture.Height);
+    state->vtkglScissor(origin[0], origin[1], picture.Width, picture.Height);
+  }
+  const bool good = this->PrepareQuad(window);
+  if (good)
+  {
+    this->DrawQuad(renderer, picture);
+  }
+  if (picture.Peeling)
+  {
+    state->PopFramebufferBindings();
+  }
+  return good;
+}
+
+//------------------------------------------------------------------------------
+void vtkChiCompositor::Upload(vtkOpenGLRenderWindow* window, const Picture& picture)
+{
+  if (this->Uploaded && picture.Unchanged && this->QuadWindow.GetPointer() == window &&
+    this->Layer->GetHandle() != 0)
+  {
+    return;
+  }
+  uploadPlane(this->Layer, window, picture.Width, picture.Height, 4, picture.Rgba);
+  uploadPlane(this->Visibility, window, picture.Width, picture.Height, 1, picture.Visibility);
+  this->Uploaded = true;
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiCompositor::PrepareQuad(vtkOpenGLRenderWindow* window)
+{
+  if (this->Quad && this->QuadWindow.GetPointer() != window)
+  {
+    delete this->Quad;
+    this->Quad = nullptr;
+  }
+  if (this->Quad)
+  {
+    window->GetShaderCache()->ReadyShaderProgram(this->Quad->Program);
+  }
+  else
+  {
+    this->QuadWindow = window;
+    this->Quad = new vtkOpenGLQuadHelper(window, nullptr, vtkChiOcclusionCompositeFS, "");
+  }
+  return this->Quad->Program != nullptr;
+}
+
+//------------------------------------------------------------------------------
+void vtkChiCompositor::DrawQuad(vtkRenderer* renderer, const Picture& picture)
+{
+  vtkOpenGLState* state =
+    vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow())->GetState();
+  vtkOpenGLState::ScopedglEnableDisable blend(state, GL_BLEND);
+  vtkOpenGLState::ScopedglEnableDisable depthTest(state, GL_DEPTH_TEST);
+  vtkOpenGLState::ScopedglEnableDisable cullFace(state, GL_CULL_FACE);
+  vtkOpenGLState::ScopedglBlendFuncSeparate blendFunction(state);
+  vtkOpenGLState::ScopedglDepthMask depthMask(state);
+  int equation[2]; // depth peeling takes maxima
+  glGetIntegerv(GL_BLEND_EQUATION_RGB, &equation[0]);
+  glGetIntegerv(GL_BLEND_EQUATION_ALPHA, &equation[1]);
+  state->vtkglEnable(GL_BLEND);
+  state->vtkglBlendEquation(GL_FUNC_ADD);
+  state->vtkglBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  state->vtkglDisable(GL_DEPTH_TEST); // the picture ends at the geometry by itself
+  state->vtkglDepthMask(GL_FALSE);
+  state->vtkglDisable(GL_CULL_FACE);
+
+  const int count = picture.Surface ? 3 : 2;
+  vtkTextureObject* textures[3] = { this->Layer, this->Visibility, picture.Surface };
+  const char* names[3] = { "layerTexture", "visibilityTexture", "surfaceTexture" };
+  vtkShaderProgram* program = this->Quad->Program;
+  for (int i = 0; i < count; ++i)
+  {
+    textures[i]->Activate();
+    program->SetUniformi(names[i], textures[i]->GetTextureUnit());
+  }
+  if (!picture.Surface)
+  {
+    program->SetUniformi(names[2], this->Layer->GetTextureUnit()); // declared, not read
+  }
+  program->SetUniformi("hasSurface", picture.Surface ? 1 : 0);
+  program->SetUniformi(
+    "rewriteSurface", picture.Surface && picture.First && mayRewriteSurface(renderer) ? 1 : 0);
+  this->Quad->Render();
+  for (int i = 0; i < count; ++i)
+  {
+    textures[i]->Deactivate();
+  }
+  state->vtkglBlendEquationSeparate(
+    static_cast<unsigned int>(equation[0]), static_cast<unsigned int>(equation[1]));
+}
+
+//------------------------------------------------------------------------------
+void vtkChiCompositor::ReleaseGraphicsResources(vtkWindow* window)
+{
+  delete this->Quad;
+  this->Quad = nullptr;
+  this->Uploaded = false;
+  if (window)
+  {
+    this->Layer->ReleaseGraphicsResources(window);
+    this->Visibility->ReleaseGraphicsResources(window);
+  }
+}

@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef vtkChiCompositor_h
+#define vtkChiCompositor_h
+
+#include "vtkNew.h"
+#include "vtkRenderWindow.h"
+#include "vtkTextureObject.h"
+#include "vtkWeakPointer.h"
+
+class vtkOpenGLQuadHelper;
+class vtkOpenGLRenderWindow;
+class vtkRenderer;
+
+// Lays a picture that the core has rendered over the bound frame buffer, within the viewport that
+// is set, and leaves OpenGL as it was.
+class vtkChiCompositor
+{
+public:
+  struct Picture
+  {
+    int Width = 0;
+    int Height = 0;
+    const float* Rgba = nullptr;         // [height x width x 4] premultiplied
+    const float* Visibility = nullptr;   // [height x width] of the opaque geometry
+    vtkTextureObject* Surface = nullptr; // lit colours of the opaque geometry; null: there is none
+    bool Unchanged = false;              // the same floats as in the last call
+    bool First = false;                  // nobody has shaded the geometry in this frame
+    bool Peeling = false;                // a buffer of the depth peeling pass is bound
+  };
+
+  vtkChiCompositor();
+  ~vtkChiCompositor();
+  vtkChiCompositor(const vtkChiCompositor&) = delete;
+  void operator=(const vtkChiCompositor&) = delete;
+
+  // Returns false where the shader cannot be built.
+  bool Draw(vtkRenderer* renderer, const Picture& picture);
+  void ReleaseGraphicsResources(vtkWindow* window);
+
+private:
+  void Upload(vtkOpenGLRenderWindow* window, const Picture& picture);
+  bool PrepareQuad(vtkOpenGLRenderWindow* window);
+  void DrawQuad(vtkRenderer* renderer, const Picture& picture);
+
+  vtkOpenGLQuadHelper* Quad = nullptr;
+  vtkWeakPointer<vtkRenderWindow> QuadWindow;
+  vtkNew<vtkTextureObject> Layer;
+  vtkNew<vtkTextureObject> Visibility;
+  bool Uploaded = false; // the textures hold the picture of the last call
+};
+
+#endif
