@@ -269,7 +269,8 @@ static int fit_candidate(
   return holds(&c->curve, points, params->tolerance, &suspect);
 }
 
-/* Least squares on the candidate's knots: normal equations, a band of seven, Cholesky. */
+/* Least squares on the candidate's knots with the end points kept (Piegl & Tiller 1997,
+ * section 9.4.1): normal equations, a band of seven, Cholesky. */
 static void fit_least_squares(candidate* c, chi_spline_scratch* s, const double* points)
 {
   const size_t n = c->curve.point_count, m = c->samples;
@@ -294,6 +295,27 @@ static void fit_least_squares(candidate* c, chi_spline_scratch* s, const double*
         right[3 * (first + a) + k] += basis[a] * points[3 * i + k];
       }
     }
+  }
+  /* The ends are known: their rows say so, and what they contribute moves to the right-hand side.
+   */
+  for (size_t end = 0; end < m; end += m - 1)
+  {
+    const double* const x = points + (end ? 3 * (n - 1) : 0);
+    for (size_t i = 0; i < m; ++i)
+    {
+      const size_t low = i < end ? i : end, gap = i < end ? end - i : i - end;
+      if (i != end && gap <= DEGREE)
+      {
+        double* const entry = &band[low + gap][gap];
+        for (size_t k = 0; k < 3; ++k)
+        {
+          right[3 * i + k] -= *entry * x[k];
+        }
+        *entry = 0;
+      }
+    }
+    band[end][0] = 1;
+    memcpy(right + 3 * end, x, 3 * sizeof *x);
   }
   for (size_t i = 0; i < m; ++i)
   {
@@ -365,16 +387,15 @@ static void sample_points(
   }
 }
 
-/* The last accepted curve, resampled at `m` regular parameters. */
-static void resample(candidate* c, chi_spline_scratch* s, const chi_spline_line* line, size_t m)
+/* The candidate, resampled at `m` regular parameters: the samples of the next one. */
+static void resample(candidate* c, chi_spline_scratch* s, size_t m)
 {
-  c->curve = line->curve;
-  c->samples = m;
   for (size_t j = 0; j < m; ++j)
   {
-    s->parameter[j] = (double)j / (double)(line->curve.closed ? m : m - 1);
-    chi_spline_evaluate(&line->curve, s->parameter[j], 0, (double(*)[3])(void*)(s->sample + 3 * j));
+    s->parameter[j] = (double)j / (double)(c->curve.closed ? m : m - 1);
+    chi_spline_evaluate(&c->curve, s->parameter[j], 0, (double(*)[3])(void*)(s->sample + 3 * j));
   }
+  c->samples = m;
 }
 
 /* A line that bends by less than the tolerance and never turns back is its two end points. */
@@ -542,7 +563,7 @@ static void keep_chord(
 void chi_spline_fit_line(chi_spline_line* line, const double* points, double* coefficients,
   double* knots, chi_spline_scratch* scratch, const chi_spline_params* params)
 {
-  double error;
+  double error = 0;
   if (!scratch)
   {
     keep_polyline(line, points, knots);
@@ -565,11 +586,22 @@ void chi_spline_fit_line(chi_spline_line* line, const double* points, double* co
     : params->max_halvings > 0                                  ? params->max_halvings
     : params->max_halvings < 0                                  ? 0
                                                                 : DEFAULT_HALVINGS;
-  for (int k = 0; k < halvings && m / 2 >= 4 && !line->unconverged; ++k)
+  const int least_squares = params->method == CHI_SPLINE_LEAST_SQUARES && !line->curve.closed;
+  if (least_squares && params->coefficients >= 4 && params->coefficients <= m)
   {
-    m /= 2;
-    resample(&c, scratch, line, m);
-    if (params->method == CHI_SPLINE_LEAST_SQUARES && !line->curve.closed)
+    resample(&c, scratch, params->coefficients);
+    start_from_samples(&c, scratch);
+    fit_least_squares(&c, scratch, points);
+    accept(line, &c, coefficients, knots);
+    measure(line, points);
+    line->unconverged = !(line->point_error <= params->tolerance);
+    return;
+  }
+  for (int k = 0; k < halvings && m > 4 && !line->unconverged; ++k)
+  {
+    m = m / 2 > 4 ? m / 2 : 4;
+    resample(&c, scratch, m);
+    if (least_squares)
     {
       start_from_samples(&c, scratch);
       fit_least_squares(&c, scratch, points);

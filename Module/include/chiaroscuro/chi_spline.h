@@ -22,6 +22,8 @@ typedef struct chi_spline_params
   int32_t max_halvings;   /**< of the data reduction; 0 = default (16), -1 = none */
   /** Points closer than this to the one before are dropped and counted; 0 = exact repeats only. */
   double merge_distance;
+  size_t coefficients; /**< CHI_SPLINE_LEAST_SQUARES of an open line: exactly so many (>= 4; at most one
+                            a point); 0 = by halving while the tolerance holds */
 } chi_spline_params;
 
 enum
