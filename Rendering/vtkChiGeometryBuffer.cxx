@@ -10,6 +10,8 @@
 #include "vtkActor.h"
 #include "vtkActor2D.h"
 #include "vtkAlgorithm.h"
+#include "vtkAssemblyNode.h"
+#include "vtkAssemblyPath.h"
 #include "vtkCollection.h"
 #include "vtkDataObject.h"
 #include "vtkInformation.h"
@@ -17,10 +19,12 @@
 #include "vtkLight.h"
 #include "vtkLightCollection.h"
 #include "vtkMapper.h"
+#include "vtkMatrix4x4.h"
 #include "vtkOpenGLRenderPass.h"
 #include "vtkOpenGLRenderWindow.h"
 #include "vtkOpenGLState.h"
 #include "vtkPropCollection.h"
+#include "vtkProperty.h"
 #include "vtkSmartPointer.h"
 #include "vtkTexture.h"
 #include "vtkTimerLog.h"
@@ -78,25 +82,59 @@ private:
   std::vector<vtkSmartPointer<vtkObjectBase>> Passes;
 };
 
-// When anything that this prop draws was last modified. vtkActor looks at its first input only; a
+// When anything that a mapper draws was last modified. vtkActor looks at its first input only; a
 // glyph's shape comes in by the second.
-vtkMTimeType redrawTime(vtkProp* prop)
+vtkMTimeType mapperTime(vtkMapper* mapper)
 {
-  vtkMTimeType time = std::max(prop->GetMTime(), prop->GetRedrawMTime());
-  vtkActor* actor = vtkActor::SafeDownCast(prop);
-  vtkMapper* mapper = actor ? actor->GetMapper() : nullptr;
-  if (mapper)
+  vtkMTimeType time = mapper ? mapper->GetMTime() : 0;
+  for (int port = 0; mapper && port < mapper->GetNumberOfInputPorts(); ++port)
   {
-    for (int port = 0; port < mapper->GetNumberOfInputPorts(); ++port)
+    for (int item = 0; item < mapper->GetNumberOfInputConnections(port); ++item)
     {
-      for (int item = 0; item < mapper->GetNumberOfInputConnections(port); ++item)
-      {
-        vtkDataObject* data = mapper->GetInputDataObject(port, item);
-        time = std::max(time, data ? data->GetMTime() : 0);
-      }
+      mapper->GetInputAlgorithm(port, item)->Update();
+      vtkDataObject* data = mapper->GetInputDataObject(port, item);
+      time = std::max(time, data ? data->GetMTime() : 0);
     }
   }
   return time;
+}
+
+// Everything that a prop's picture depends on.
+void appendProp(vtkProp* prop, std::vector<std::uint64_t>& key)
+{
+  key.push_back(bits(prop));
+  vtkActor* actor = vtkActor::SafeDownCast(prop);
+  if (actor)
+  {
+    key.push_back(
+      std::max({ actor->GetMTime(), actor->GetRedrawMTime(), mapperTime(actor->GetMapper()) }));
+    return;
+  }
+  // The parts of an assembly: their matrices by value, because drawing one writes into its parts
+  // and so gives them a new time each frame.
+  prop->InitPathTraversal();
+  while (vtkAssemblyPath* path = prop->GetNextPath())
+  {
+    vtkProp* leaf = path->GetLastNode()->GetViewProp();
+    vtkActor* part = vtkActor::SafeDownCast(leaf);
+    key.push_back(bits(leaf));
+    key.push_back(static_cast<std::uint64_t>(leaf->GetVisibility()));
+    if (part)
+    {
+      key.push_back(std::max(mapperTime(part->GetMapper()), part->GetProperty()->GetMTime()));
+      key.push_back(part->GetTexture() ? part->GetTexture()->GetMTime() : 0);
+    }
+    else
+    {
+      key.push_back(
+        leaf == prop ? std::max(prop->GetMTime(), prop->GetRedrawMTime()) : leaf->GetRedrawMTime());
+    }
+    vtkMatrix4x4* matrix = path->GetLastNode()->GetMatrix();
+    for (int i = 0; matrix && i < 16; ++i)
+    {
+      key.push_back(bits(matrix->GetData()[i]));
+    }
+  }
 }
 }
 
@@ -148,8 +186,7 @@ std::vector<std::uint64_t> vtkChiGeometryBuffer::MakeKey(
   }
   for (vtkProp* prop : this->Props)
   {
-    key.push_back(bits(prop));
-    key.push_back(redrawTime(prop));
+    appendProp(prop, key);
   }
   return key;
 }

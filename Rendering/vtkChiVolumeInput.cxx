@@ -20,6 +20,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace
 {
@@ -71,6 +72,27 @@ std::string describe(vtkDataArray* array)
   return std::string("array '") + (array->GetName() ? array->GetName() : "(unnamed)") + "' (" +
     array->GetDataTypeAsString() + ", " + std::to_string(array->GetNumberOfTuples()) + " tuples, " +
     std::to_string(array->GetNumberOfComponents()) + " components)";
+}
+
+// The smallest distance between nodes of the opacity function, of those larger than `least`;
+// infinite where there is none.
+double narrowestGap(vtkVolumeProperty* property, double least)
+{
+  vtkPiecewiseFunction* opacity = property->GetScalarOpacity(0);
+  double gap = std::numeric_limits<double>::infinity();
+  double last[4];
+  double node[4];
+  for (int i = 0; i < opacity->GetSize(); ++i)
+  {
+    opacity->GetNodeValue(i, node);
+    const double distance = i > 0 ? node[0] - last[0] : 0.0;
+    if (distance > least)
+    {
+      gap = std::min(gap, distance);
+    }
+    std::copy(node, node + 4, last);
+  }
+  return gap;
 }
 
 void multiply(const double* a, const double* b, double* product)
@@ -288,7 +310,8 @@ void vtkChiVolumeInput::ChooseTableRange(vtkVolumeProperty* property)
   }
   double low = clamped ? std::max(nodes[0], std::min(data[0], nodes[1])) : data[0];
   double high = clamped ? std::min(nodes[1], std::max(data[1], nodes[0])) : data[1];
-  const bool integers = this->Samples->GetDataTypeSize() <= 2;
+  const int type = this->Samples->GetDataType();
+  const bool integers = type != VTK_FLOAT && type != VTK_DOUBLE && high - low < 65535.0;
   if (integers)
   {
     low = std::floor(low);
@@ -308,7 +331,11 @@ void vtkChiVolumeInput::ChooseTableRange(vtkVolumeProperty* property)
       low -= half;
       high += half;
     }
-    this->Transfer.count = 4097;
+    // four entries over the narrowest feature, but for those that are meant as steps
+    const double span = high - low;
+    const double entries = 4.0 * span / narrowestGap(property, span / 16384.0);
+    this->Transfer.count =
+      static_cast<std::size_t>(std::min(std::max(entries, 4096.0), 16384.0)) + 1;
   }
   this->Transfer.range[0] = low;
   this->Transfer.range[1] = high;

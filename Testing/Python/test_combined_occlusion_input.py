@@ -64,6 +64,20 @@ class Input(unittest.TestCase):
                 # between the nodes, so that only kinks at nodes and roundings of float differ
                 self.assertLessEqual(mean_difference(result, reference), 0.1)
 
+    def test_a_narrow_peak_in_a_wide_range_is_not_lost(self):
+        values = lopsided().astype(np.float64)
+        prop = volume_property(1.0, 0.5, 0.1)
+        ramp = prop.GetScalarOpacity()
+        ramp.RemoveAllPoints()
+        for place, opacity in ((0.0, 0.0), (0.499, 0.0), (0.5, 0.9), (0.501, 0.0), (1.0, 0.0)):
+            ramp.AddPoint(place, opacity)
+        expected, _, _ = picture(image(values, SPACING), prop)
+        # the same, but for one voxel in a corner whose value makes the range a hundred times wider
+        values[0, 0, 0] = -100.0
+        result, _, _ = picture(image(values, SPACING), prop)
+        self.assertGreater(expected[..., 3].max(), 0.05)
+        self.assertLessEqual(mean_difference(result, expected), 1.0)
+
     def test_bits_are_drawn(self):
         values = (lopsided() > 0.5).astype(np.uint8)
         data = image(values, SPACING)

@@ -20,7 +20,7 @@ from occlusion_scene import (
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkDataObject
 from vtkmodules.vtkCommonTransforms import vtkTransform
-from vtkmodules.vtkRenderingCore import vtkHardwareSelector, vtkRenderer, vtkWindowToImageFilter
+from vtkmodules.vtkRenderingCore import vtkAssembly, vtkHardwareSelector, vtkRenderer, vtkWindowToImageFilter
 from vtkmodules.vtkRenderingVolumeOpenGL2 import vtkOpenGLGPUVolumeRayCastMapper
 
 from chiaroscuro.vtkChiRendering import vtkChiCombinedOcclusionVolumeMapper
@@ -394,6 +394,28 @@ class Renderer(unittest.TestCase):
         self.assertEqual(frame(), (False, True))
         volume.SetPosition(0.0, 0.1, 0.0)
         self.assertEqual(frame(), (False, True))
+
+    def test_a_part_of_an_assembly_that_moves_or_changes_shape_is_seen(self):
+        scene = Scene((64, 64))
+        _, mapper = scene.add_volume(cube(ball(16), 1.2), volume_property(unit=0.1))
+        part = sphere(0.2, (0.4, 0.3, 0.5))
+        assembly = vtkAssembly()
+        assembly.AddPart(part)
+        scene.renderer.AddActor(assembly)
+        scene.look(half=1.0)
+        scene.window.Render()
+        scene.window.Render()
+        self.assertTrue(mapper.GetReusedGeometry())
+        before = float_image(mapper)
+        part.SetPosition(-0.2, 0.0, 0.0)
+        scene.window.Render()
+        self.assertFalse(mapper.GetReusedGeometry())
+        moved = float_image(mapper)
+        self.assertGreater(np.abs(moved - before).max(), 0.5)
+        part.GetMapper().GetInputAlgorithm().SetRadius(0.4)
+        scene.window.Render()
+        self.assertFalse(mapper.GetReusedGeometry())
+        self.assertGreater(float_image(mapper)[..., 3].sum(), moved[..., 3].sum())
 
     def test_a_window_of_one_pixel(self):
         scene = Scene((1, 1))
