@@ -73,7 +73,7 @@ static void light_piece(
       (float)(s->slope_y + row * s->slope_dy), (float)(s->slope_dx * s->scale), CHI_SEGMENT, length,
       length_x);
   }
-  const float* const tau = s->scale == 1 ? picture(m, TAU, y) : light_scratch(m, LIGHT_TAU, y);
+  const float* const tau = s->scale == 1 ? tau_row(m, slab, y) : light_scratch(m, LIGHT_TAU, y);
   const chi_light_segment segment = { .source = row_of_light(m, f, read, y) + x,
     .target = target,
     .plane = m->light_stride,
@@ -107,8 +107,12 @@ void chi_march_light_band(
     {
       if (m->tau_flag[y * m->segments + k])
       {
-        m->kernels->halve(picture(m, TAU, 2 * y) + 2 * x, picture(m, TAU, 2 * y + 1) + 2 * x,
-          m->scene->mean_length, light_scratch(m, LIGHT_TAU, y) + x, CHI_SEGMENT);
+        const float* const tau[2] = { tau_row(m, slab, 2 * y) + 2 * x,
+          tau_row(m, slab, 2 * y + 1) + 2 * x };
+        const float* const before[2] = { tau_row(m, slab - 1, 2 * y) + 2 * x,
+          tau_row(m, slab - 1, 2 * y + 1) + 2 * x };
+        m->kernels->halve(
+          tau, before, m->scene->mean_length, light_scratch(m, LIGHT_TAU, y) + x, CHI_SEGMENT);
       }
     }
     for (int f = 0; f < m->fields; ++f)

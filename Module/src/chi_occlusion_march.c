@@ -151,7 +151,7 @@ static void run_task(march* m, int64_t block, int band)
       row.table_position = picture(m, TABLE_POSITION, y);
       row.sum = (int32_t*)(void*)picture(m, SUM, y);
       row.rest = picture(m, REST, y);
-      row.tau = picture(m, TAU, y);
+      row.tau = tau_row(m, slab, y);
       chi_march_sample_row(m, slab, y, need, &row);
     }
     const double t1 = chi_seconds();

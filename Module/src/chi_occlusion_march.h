@@ -26,6 +26,7 @@ enum
   SUM,
   REST,
   TAU,
+  TAU_OTHER, /* slabs take turns: the one before is still needed */
   ROW_VISIBILITY,
   ENTER,
   LEAVE,
@@ -85,7 +86,7 @@ typedef struct march
   uint8_t* live_row;       /* [rows][cells_x] */
   int64_t* sampled;        /* [rows][cells_x] segment sampled last */
   uint8_t* tau_flag;       /* [light rows][segments] */
-  uint8_t* tau_stale;      /* [rows] the row's thickness is that of an earlier slab */
+  uint8_t* tau_stale;      /* [2][rows] the row holds the thickness of an earlier slab */
   uint8_t* need;           /* [bands][segments] */
   float* ranges;      /* [light rows][segments][4]: blocker begin, end; receiver first, last step */
   double* reach;      /* [slabs + 1] light pixels that light can have moved */
@@ -105,6 +106,12 @@ typedef struct march
 static inline float* picture(const march* m, int which, int64_t y)
 {
   return m->planes + ((size_t)y * PICTURE_PLANES + (size_t)which) * m->stride;
+}
+
+/* Optical thickness of a row in a slab; that of the slab before is there as well. */
+static inline float* tau_row(const march* m, int64_t slab, int64_t y)
+{
+  return picture(m, slab & 1 ? TAU_OTHER : TAU, y);
 }
 
 static inline float* light_scratch(const march* m, int which, int64_t y)

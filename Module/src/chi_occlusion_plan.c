@@ -162,7 +162,7 @@ static chi_status reserve(march* m)
     !chi_buffer_reserve(exec, &keep->last_slab, bands * segments, 2 * sizeof(int64_t)) ||
     !chi_buffer_reserve(exec, &keep->live,
       blocks * bands * segments + light_rows * segments + bands * segments + 1, 1) ||
-    !chi_buffer_reserve(exec, &keep->live_row, m->rows * (cells + 1), 1) ||
+    !chi_buffer_reserve(exec, &keep->live_row, m->rows * (cells + 2), 1) ||
     !chi_buffer_reserve(exec, &keep->sampled, m->rows * cells, sizeof(int64_t)) ||
     !chi_buffer_reserve(exec, &keep->done, blocks * bands + 1, 1) ||
     !chi_buffer_reserve(exec, &keep->order, blocks * bands + 1, 2 * sizeof(int64_t)) ||
@@ -189,7 +189,7 @@ static chi_status reserve(march* m)
   m->ranges = (float*)keep->ranges.data;
   memset(keep->done.data, 0, blocks * bands);
   memset(m->live_row, 1, m->rows * cells);
-  memset(m->tau_stale, 0, m->rows);
+  memset(m->tau_stale, 0, 2 * m->rows);
   for (size_t i = 0; i < m->rows * cells; ++i)
   {
     m->sampled[i] = -2;
@@ -207,6 +207,7 @@ static void clear_rows(void* data, size_t begin, size_t end)
       memset(picture(m, RED + c, (int64_t)y), 0, m->stride * sizeof(float));
     }
     memset(picture(m, TAU, (int64_t)y), 0, m->stride * sizeof(float));
+    memset(picture(m, TAU_OTHER, (int64_t)y), 0, m->stride * sizeof(float));
     chi_fill_ones(picture(m, TRANSMITTANCE, (int64_t)y), (int)m->stride);
     chi_fill_ones(picture(m, SURFACE_VISIBILITY, (int64_t)y), (int)m->stride);
   }

@@ -102,10 +102,11 @@ void chi_march_sample_row(
   int64_t* const sampled = m->sampled + y * m->cells_x;
   uint8_t* const flags = m->tau_flag + y / s->scale * m->segments;
   const int width = (s->width + CHI_CELL_WIDTH - 1) / CHI_CELL_WIDTH * CHI_CELL_WIDTH;
-  if (m->tau_stale[y])
+  uint8_t* const stale = m->tau_stale + (size_t)(slab & 1) * m->rows + y;
+  if (*stale)
   {
     memset(row->tau, 0, m->stride * sizeof(float));
-    m->tau_stale[y] = 0;
+    *stale = 0;
   }
   for (int64_t i = 0; i < s->group; ++i)
   {
@@ -132,7 +133,7 @@ void chi_march_sample_row(
       {
         sampled[end++] = segment;
       }
-      m->tau_stale[y] = 1;
+      *stale = 1;
       const int x0 = cx * CHI_CELL_WIDTH;
       const int x1 = end * CHI_CELL_WIDTH < width ? end * CHI_CELL_WIDTH : width;
       row->restart = restart;

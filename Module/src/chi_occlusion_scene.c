@@ -7,6 +7,11 @@
 
 static const double golden_angle = 2.39996322972865332; /* pi (3 - sqrt 5) */
 
+/* Where the spiral of directions begins. Any angle does in the mean; this one has the smallest
+ * error at the edge of a half-plane for 16 directions among 60 tried, in parallel (0.0155 against
+ * 0.0229 at the worst) and in perspective at 30 degrees (0.0248 against 0.0395). */
+static const double spiral_start = 4.8;
+
 /* Directions of equal solid angle in the cone, on the golden spiral; theory/occlusion.md, Eq. 2. */
 static void place_directions(chi_scene* scene, int count, double angle)
 {
@@ -16,8 +21,8 @@ static void place_directions(chi_scene* scene, int count, double angle)
   {
     const double mu = 1 - (1 - cos(angle)) * (m + 0.5) / count;
     const double slope = sqrt(1 - mu * mu) / mu;
-    scene->tangent[0][m] = (float)(slope * cos(m * golden_angle));
-    scene->tangent[1][m] = (float)(slope * sin(m * golden_angle));
+    scene->tangent[0][m] = (float)(slope * cos(m * golden_angle + spiral_start));
+    scene->tangent[1][m] = (float)(slope * sin(m * golden_angle + spiral_start));
     sum += 1 / mu;
   }
   scene->mean_length = (float)(sum / count);

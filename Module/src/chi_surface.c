@@ -9,7 +9,7 @@ typedef struct interval_job
   const chi_exec* exec;
   const chi_scene* scene;
   const chi_surface_view* surface;
-  double thickness; /* slabs */
+  double thickness;      /* slabs */
   size_t stride, padded; /* floats from row to row; floats a row that are written */
   float* slice_depth;
   float* begin;
@@ -98,10 +98,10 @@ static void row_intervals(void* data, size_t first, size_t last)
 }
 
 chi_status chi_surface_intervals(const chi_exec* exec, const chi_scene* scene,
-  const chi_surface_view* surface, double thickness, size_t stride,
-  size_t padded, float* slice_depth, float* begin, float* end)
+  const chi_surface_view* surface, double thickness, size_t stride, size_t padded,
+  float* slice_depth, float* begin, float* end)
 {
-  interval_job job = { exec, scene, surface, thickness / scene->slab, stride, padded, slice_depth, begin,
-    end };
+  interval_job job = { exec, scene, surface, thickness / scene->slab, stride, padded, slice_depth,
+    begin, end };
   return chi_for(exec, (size_t)scene->height, row_intervals, &job);
 }

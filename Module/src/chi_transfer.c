@@ -70,8 +70,8 @@ static int range_is_visible(const chi_classification* c, const float range[2])
   const double end = (double)(c->entries - 1);
   double low = ((double)range[0] - c->base) * c->scale + c->offset;
   double high = ((double)range[1] - c->base) * c->scale + c->offset;
-  /* A brick of exactly the scalar at which a ramp begins is transparent: a thousandth of an entry, what
-   * the kernels' floats may add, counts for nothing. */
+  /* A brick of exactly the scalar at which a ramp begins is transparent: a thousandth of an entry,
+   * what the kernels' floats may add, counts for nothing. */
   const double tolerance = 1e-3;
   low += tolerance;
   high -= tolerance;

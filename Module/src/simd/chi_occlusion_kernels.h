@@ -109,7 +109,8 @@ typedef struct chi_occlusion_kernels
   void (*sample)(chi_sample_row* row, int x_begin, int x_end);
   void (*light)(const chi_light_segment* segment);
   void (*blur)(const chi_light_segment* segment);
-  void (*halve)(const float* tau0, const float* tau1, float length, float* out, int count);
+  void (*halve)(
+    const float* const tau[2], const float* const before[2], float length, float* out, int count);
   void (*path_lengths)(const float* slope_x, const float* slope_y, int directions, float px,
     float py, float px_step, int count, float* length, float* length_x);
   void (*enlarge)(const float* const rows[4], const float weight[4], float base, int scale,

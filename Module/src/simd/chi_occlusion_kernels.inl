@@ -387,29 +387,48 @@ static void blur(const chi_light_segment* s)
   }
 }
 
+/* Mean transmittance of four pixels a light pixel. */
+CHI_INLINE vf mean_of_four(vf a0, vf a1, vf b0, vf b1)
+{
+  return vf_add_pairs(a0 + b0, a1 + b1) * 0.25f;
+}
+
 /*
- * Two rows of pixels to one of light pixels: the optical thickness whose transmittance, along a
- * path of the cone's mean length, is the mean of the four. (Averaging thickness itself would let
- * thin opaque things darken twice their area.)
+ * Two rows of pixels to one of light pixels: the optical thickness whose transmittance along a path
+ * of the cone's mean length is that of the four pixels.
+ *
+ * Averaging thickness would let thin opaque things darken twice their area; averaging transmittance
+ * slab by slab lets the edge of a deep opaque thing darken the light pixel that it half covers
+ * again in every slab. Light that goes straight on meets in a slab the same pixels as in the one
+ * before, so that what counts for it is the mean of the product over the mean before; light that
+ * moves by a pixel meets others. The cone has both: half of each (theory/occlusion.md, Eq. 4).
  */
-static void halve(const float* tau0, const float* tau1, float length, float* out, int count)
+static void halve(
+  const float* const tau[2], const float* const before[2], float length, float* out, int count)
 {
   const vf thin = vf_set(0.02f / length); /* below, the mean differs by < 0.02^2 / 8 = 5e-5 */
   for (int x = 0; x < count; x += CHI_LANES)
   {
-    const vf a0 = vf_load(tau0 + 2 * x), a1 = vf_load(tau0 + 2 * x + CHI_LANES);
-    const vf b0 = vf_load(tau1 + 2 * x), b1 = vf_load(tau1 + 2 * x + CHI_LANES);
+    const vf a0 = vf_load(tau[0] + 2 * x), a1 = vf_load(tau[0] + 2 * x + CHI_LANES);
+    const vf b0 = vf_load(tau[1] + 2 * x), b1 = vf_load(tau[1] + 2 * x + CHI_LANES);
     const vi thick = (vf_max(a0, b0) > thin) | (vf_max(a1, b1) > thin);
     if (!vi_any(thick))
     {
-      vf_store(out + x, vf_add_pairs(a0 + b0, a1 + b1) * 0.25f);
+      vf_store(out + x, mean_of_four(a0, a1, b0, b1));
       continue;
     }
-    const vf through = vf_add_pairs(vf_exp_neg(a0 * -length) + vf_exp_neg(b0 * -length),
-                         vf_exp_neg(a1 * -length) + vf_exp_neg(b1 * -length)) *
-      0.25f;
-    const vf tau = vf_log(vf_max(through, vf_set(1e-30f))) * (-1.0f / length);
-    vf_store(out + x, vf_max(tau, vf_set(0.0f)));
+    const vf ea0 = vf_exp_neg(a0 * -length), ea1 = vf_exp_neg(a1 * -length);
+    const vf eb0 = vf_exp_neg(b0 * -length), eb1 = vf_exp_neg(b1 * -length);
+    const vf pa0 = vf_exp_neg(vf_load(before[0] + 2 * x) * -length);
+    const vf pa1 = vf_exp_neg(vf_load(before[0] + 2 * x + CHI_LANES) * -length);
+    const vf pb0 = vf_exp_neg(vf_load(before[1] + 2 * x) * -length);
+    const vf pb1 = vf_exp_neg(vf_load(before[1] + 2 * x + CHI_LANES) * -length);
+    const vf floor = vf_set(1e-30f);
+    const vf apart = vf_max(mean_of_four(ea0, ea1, eb0, eb1), floor);
+    const vf joint = vf_max(mean_of_four(ea0 * pa0, ea1 * pa1, eb0 * pb0, eb1 * pb1), floor);
+    const vf first = vf_max(mean_of_four(pa0, pa1, pb0, pb1), floor);
+    const vf log2 = vf_log(apart) + vf_log(joint) - vf_log(first);
+    vf_store(out + x, vf_max(log2 * (-0.5f / length), vf_set(0.0f)));
   }
 }
 

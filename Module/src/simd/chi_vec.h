@@ -247,8 +247,8 @@ CHI_INLINE vf vf_add_pairs(vf a, vf b)
 #endif
 }
 
-/* The four floats of table entries index[i], transposed: out[k][i] = table[index[i]][k]. One 16-byte
- * load a lane and shuffles cost half of the gathers that fetch the same. */
+/* The four floats of table entries index[i], transposed: out[k][i] = table[index[i]][k]. One
+ * 16-byte load a lane and shuffles cost half of the gathers that fetch the same. */
 CHI_INLINE void vf_load_entries(const float (*table)[4], vi index, vf out[4])
 {
 #ifdef CHI_VEC_AVX512
