@@ -52,12 +52,14 @@ struct vtkChiCombinedOcclusionVolumeMapper::Internals
   chi_occlusion_params Params = {};
   int Viewport[4] = { 0, 0, 0, 0 };
   bool HasVolume = false;
+  bool HasSurface = false;
   bool Peeling = false; // called by the depth peeling pass, several times a frame
   bool First = false;   // of the mappers of this class in this frame
   bool Shared = false;  // other volumes of the renderer have mappers of this class
 
   vtkWeakPointer<vtkChiOcclusionFrame> Frame;
   vtkWeakPointer<vtkRenderWindow> Window;
+  vtkWeakPointer<vtkRenderer> Scene;
   chi_occlusion* Renderer = nullptr;
   chi_occlusion_image Image = {};
   chi_occlusion_stats Stats = {};
@@ -169,6 +171,7 @@ void vtkChiCombinedOcclusionVolumeMapper::Render(vtkRenderer* renderer, vtkVolum
 {
   Internals& in = *this->Internal;
   in.Window = renderer->GetRenderWindow();
+  in.Scene = renderer;
   if (renderer->GetSelector() || !vtkOpenGLRenderWindow::SafeDownCast(in.Window))
   {
     return; // what would be painted into a selection buffer would be read as ids
@@ -330,6 +333,7 @@ bool vtkChiCombinedOcclusionVolumeMapper::RenderEngine()
     }
   }
   const chi_surface_view* surface = in.Frame->GetGeometry()->GetView();
+  in.HasSurface = surface != nullptr;
   if (!in.HasVolume && !surface)
   {
     in.Stats = {};
@@ -451,18 +455,19 @@ bool vtkChiCombinedOcclusionVolumeMapper::GetFloatImage(vtkImageData* image)
   float* to = values->GetPointer(0);
   std::copy_n(from.rgba, 4 * pixels, to);
 
-  vtkChiGeometryBuffer* geometry = in.Frame ? in.Frame->GetGeometry() : nullptr;
-  if (!geometry || !geometry->GetView())
+  if (!in.HasSurface)
   {
     return true;
   }
+  vtkChiGeometryBuffer* geometry = in.Frame ? in.Frame->GetGeometry() : nullptr;
   std::vector<float> surface;
-  if (geometry->GetWidth() != from.width || geometry->GetHeight() != from.height ||
+  if (!geometry || geometry->GetWidth() != from.width || geometry->GetHeight() != from.height ||
     !geometry->ReadColor(vtkOpenGLRenderWindow::SafeDownCast(in.Window), surface))
   {
     vtkErrorMacro(
       "GetFloatImage cannot read the colours of the opaque geometry: the window is gone or "
       "has drawn another size since.");
+    allocateImage(image, 0, 0, 4, "RGBA");
     return false;
   }
   for (vtkIdType pixel = 0; pixel < pixels; ++pixel)
@@ -479,6 +484,46 @@ bool vtkChiCombinedOcclusionVolumeMapper::GetFloatImage(vtkImageData* image)
       target[3] = 1.0f;
     }
   }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiCombinedOcclusionVolumeMapper::GetGeometryImage(vtkImageData* image)
+{
+  if (!image)
+  {
+    vtkErrorMacro("GetGeometryImage needs a vtkImageData to write into.");
+    return false;
+  }
+  Internals& in = *this->Internal;
+  vtkChiGeometryBuffer* geometry = in.Frame ? in.Frame->GetGeometry() : nullptr;
+  std::vector<float> colors;
+  std::vector<float> normals;
+  if (!geometry || !geometry->GetView() ||
+    !geometry->ReadColor(vtkOpenGLRenderWindow::SafeDownCast(in.Window), colors) ||
+    !geometry->ReadNormals(in.Scene, normals))
+  {
+    allocateImage(image, 0, 0, 4, "RGBA");
+    return false;
+  }
+  vtkFloatArray* rgba =
+    allocateImage(image, geometry->GetWidth(), geometry->GetHeight(), 4, "RGBA");
+  const vtkIdType pixels = rgba->GetNumberOfTuples();
+  std::copy(colors.begin(), colors.end(), rgba->GetPointer(0));
+  vtkNew<vtkFloatArray> normal;
+  normal->SetName("Normal");
+  normal->SetNumberOfComponents(3);
+  normal->SetNumberOfTuples(pixels);
+  vtkNew<vtkFloatArray> depth;
+  depth->SetName("Depth");
+  depth->SetNumberOfTuples(pixels);
+  for (vtkIdType pixel = 0; pixel < pixels; ++pixel)
+  {
+    std::copy_n(normals.data() + 4 * pixel, 3, normal->GetPointer(3 * pixel));
+  }
+  std::copy(geometry->GetDepths().begin(), geometry->GetDepths().end(), depth->GetPointer(0));
+  image->GetPointData()->AddArray(normal);
+  image->GetPointData()->AddArray(depth);
   return true;
 }
 

@@ -12,8 +12,8 @@
  *
  * Set it as the mapper of a vtkVolume, as any volume mapper; opaque actors of the same renderer
  * take part without being told. The mapper draws them once more into a private buffer (colour and
- * depth) where they, the camera or the lights have changed; no render pass needs to be set, the
- * stock pipeline stays as it is.
+ * depth; normals on request) where they, the camera or the lights have changed; no render pass
+ * needs to be set, the stock pipeline stays as it is.
  *
  * <b>What is honoured.</b> Input vtkImageData (vtkRectilinearGrid is resampled, with a warning);
  * scalars of every VTK type, of points or cells, chosen with SetScalarMode and SelectScalarArray;
@@ -220,6 +220,16 @@ public:
    * "Visibility", one float a pixel, after strength; 1 where there is no geometry.
    */
   bool GetVisibilityImage(vtkImageData* image);
+
+  /**
+   * Copy what is known of the opaque geometry of the last frame into `image`, as float point
+   * arrays: "RGBA", its lit colour, before any occlusion, and 1 where there is geometry, 0
+   * elsewhere; "Normal", in view coordinates, drawn at this call (0 where there is no geometry, or
+   * where it is unlit, so that its shader has no normal); "Depth", the distance from the eye along
+   * the view axis in world units, infinite where there is no geometry. Returns false, with an empty
+   * image, where there is none.
+   */
+  bool GetGeometryImage(vtkImageData* image);
 
   ///@{
   /**

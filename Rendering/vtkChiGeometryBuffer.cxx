@@ -7,6 +7,8 @@
 #endif
 #include "vtkChiGeometryBuffer.h"
 
+#include "vtkChiNormalPass.h"
+
 #include "vtkActor.h"
 #include "vtkActor2D.h"
 #include "vtkAlgorithm.h"
@@ -25,6 +27,7 @@
 #include "vtkOpenGLState.h"
 #include "vtkPropCollection.h"
 #include "vtkProperty.h"
+#include "vtkRenderState.h"
 #include "vtkSmartPointer.h"
 #include "vtkTexture.h"
 #include "vtkTimerLog.h"
@@ -226,20 +229,23 @@ bool vtkChiGeometryBuffer::Update(
 }
 
 //------------------------------------------------------------------------------
-void vtkChiGeometryBuffer::Draw(vtkRenderer* renderer, vtkOpenGLRenderWindow* window)
+void vtkChiGeometryBuffer::DrawInto(vtkOpenGLRenderWindow* window, vtkTextureObject* color,
+  const std::function<void()>& draw, const std::function<void()>& read)
 {
-  const double start = vtkTimerLog::GetUniversalTime();
   const unsigned int width = static_cast<unsigned int>(this->Width);
   const unsigned int height = static_cast<unsigned int>(this->Height);
-  this->Color->SetContext(window);
+  color->SetContext(window);
   this->WindowDepth->SetContext(window);
   this->Target->SetContext(window);
-  if (this->Color->GetHandle() == 0)
+  if (color->GetHandle() == 0)
   {
-    this->Color->Allocate2D(width, height, 4, VTK_FLOAT);
+    color->Allocate2D(width, height, 4, VTK_FLOAT);
+  }
+  if (this->WindowDepth->GetHandle() == 0)
+  {
     this->WindowDepth->AllocateDepth(width, height, vtkTextureObject::Float32);
   }
-  this->Color->Resize(width, height);
+  color->Resize(width, height);
   this->WindowDepth->Resize(width, height);
 
   vtkOpenGLState* state = window->GetState();
@@ -253,7 +259,7 @@ void vtkChiGeometryBuffer::Draw(vtkRenderer* renderer, vtkOpenGLRenderWindow* wi
   vtkOpenGLState::ScopedglEnableDisable depthTest(state, GL_DEPTH_TEST);
   state->PushFramebufferBindings();
   this->Target->Bind();
-  this->Target->AddColorAttachment(0, this->Color);
+  this->Target->AddColorAttachment(0, color);
   this->Target->AddDepthAttachment(this->WindowDepth);
   this->Target->ActivateDrawBuffer(0);
   this->Target->ActivateReadBuffer(0);
@@ -266,20 +272,61 @@ void vtkChiGeometryBuffer::Draw(vtkRenderer* renderer, vtkOpenGLRenderWindow* wi
   state->vtkglColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   state->vtkglClearColor(0.0f, 0.0f, 0.0f, 0.0f);
   state->vtkglClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  for (vtkProp* prop : this->Props)
-  {
-    const PlainShaders plain(prop);
-    prop->RenderOpaqueGeometry(renderer);
-  }
-  this->WindowDepths.resize(
-    static_cast<std::size_t>(this->Width) * static_cast<std::size_t>(this->Height));
-  const double drawn = vtkTimerLog::GetUniversalTime();
-  this->SecondsDraw = drawn - start;
-  glReadPixels(
-    0, 0, this->Width, this->Height, GL_DEPTH_COMPONENT, GL_FLOAT, this->WindowDepths.data());
+  draw();
+  read();
   this->Target->RemoveColorAttachment(0);
   this->Target->RemoveDepthAttachment();
   state->PopFramebufferBindings();
+}
+
+//------------------------------------------------------------------------------
+void vtkChiGeometryBuffer::Draw(vtkRenderer* renderer, vtkOpenGLRenderWindow* window)
+{
+  const double start = vtkTimerLog::GetUniversalTime();
+  this->WindowDepths.resize(
+    static_cast<std::size_t>(this->Width) * static_cast<std::size_t>(this->Height));
+  this->DrawInto(
+    window, this->Color,
+    [this, renderer]
+    {
+      for (vtkProp* prop : this->Props)
+      {
+        const PlainShaders plain(prop);
+        prop->RenderOpaqueGeometry(renderer);
+      }
+    },
+    [this, start]
+    {
+      this->SecondsDraw = vtkTimerLog::GetUniversalTime() - start;
+      glReadPixels(
+        0, 0, this->Width, this->Height, GL_DEPTH_COMPONENT, GL_FLOAT, this->WindowDepths.data());
+    });
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiGeometryBuffer::ReadNormals(vtkRenderer* renderer, std::vector<float>& normals)
+{
+  vtkOpenGLRenderWindow* window =
+    renderer ? vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow()) : nullptr;
+  if (!window || this->Color->GetHandle() == 0)
+  {
+    return false;
+  }
+  window->MakeCurrent();
+  this->CollectProps(renderer);
+  vtkRenderState state(renderer);
+  state.SetPropArrayAndCount(this->Props.data(), static_cast<int>(this->Props.size()));
+  normals.resize(
+    4 * static_cast<std::size_t>(this->Width) * static_cast<std::size_t>(this->Height));
+  vtkNew<vtkTextureObject> texture;
+  vtkNew<vtkChiNormalPass> pass;
+  this->DrawInto(
+    window, texture, [&pass, &state] { pass->Render(&state); },
+    [this, &normals]
+    { glReadPixels(0, 0, this->Width, this->Height, GL_RGBA, GL_FLOAT, normals.data()); });
+  texture->ReleaseGraphicsResources(window);
+  pass->ReleaseGraphicsResources(window);
+  return true;
 }
 
 //------------------------------------------------------------------------------

@@ -12,6 +12,7 @@
 #include "vtkTextureObject.h"
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 class vtkOpenGLRenderWindow;
@@ -30,8 +31,14 @@ public:
   // Null where there is no opaque geometry in view.
   const chi_surface_view* GetView() const { return this->AnySurface ? &this->View : nullptr; }
   vtkTextureObject* GetColor() { return this->Color; }
-  // [height x width x 4] floats, alpha 0 where there is no geometry.
+  // Colours, [height x width x 4] floats, alpha 0 where there is no geometry, are those of the last
+  // drawing. Normals are drawn when they are asked for, because no engine needs
+  // them yet and a pass of their own has every shader rebuilt: [height x width x 4] floats in view
+  // coordinates, fourth component 0 where there is no geometry or its shader has no normal.
   bool ReadColor(vtkOpenGLRenderWindow* window, std::vector<float>& rgba);
+  bool ReadNormals(vtkRenderer* renderer, std::vector<float>& normals);
+  // Depth along the view axis, [height x width], infinite where there is no geometry.
+  const std::vector<float>& GetDepths() const { return this->Depths; }
   int GetWidth() const { return this->Width; }
   int GetHeight() const { return this->Height; }
   bool GetReused() const { return this->Reused; }
@@ -42,6 +49,8 @@ public:
 private:
   void CollectProps(vtkRenderer* renderer);
   std::vector<std::uint64_t> MakeKey(vtkRenderer* renderer, const vtkChiCameraView& camera) const;
+  void DrawInto(vtkOpenGLRenderWindow* window, vtkTextureObject* color,
+    const std::function<void()>& draw, const std::function<void()>& read);
   void Draw(vtkRenderer* renderer, vtkOpenGLRenderWindow* window);
   void ConvertDepth(const vtkChiCameraView& camera);
 

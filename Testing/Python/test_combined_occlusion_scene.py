@@ -18,7 +18,7 @@ from occlusion_scene import (
     volume_property,
 )
 from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkCommonDataModel import vtkDataObject
+from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData
 from vtkmodules.vtkCommonTransforms import vtkTransform
 from vtkmodules.vtkRenderingCore import vtkAssembly, vtkHardwareSelector, vtkRenderer, vtkWindowToImageFilter
 from vtkmodules.vtkRenderingVolumeOpenGL2 import vtkOpenGLGPUVolumeRayCastMapper
@@ -124,6 +124,45 @@ class GeometryAndVolume(unittest.TestCase):
                     covered = picture[..., 3] > 0
                     self.assertGreater(covered.mean(), 0.4)
                     self.assertGreaterEqual(picture[covered][:, 0].min(), 0.97)
+
+    def test_the_geometry_buffer_holds_colour_normal_and_depth(self):
+        for parallel in (True, False):
+            with self.subTest(parallel=parallel):
+                scene = Scene((101, 101))
+                _, mapper = scene.add_volume(cube(np.zeros((16, 16, 16))))
+                scene.renderer.AddActor(sphere(0.5, lit=True, color=(0.2, 0.9, 0.4)))
+                scene.look(half=0.7, parallel=parallel)
+                scene.window.Render()
+                data = vtkImageData()
+                self.assertTrue(mapper.GetGeometryImage(data))
+                arrays = data.GetPointData()
+
+                def plane(name):
+                    array = vtk_to_numpy(arrays.GetArray(name))
+                    return array.reshape(101, 101, -1).squeeze()
+
+                color, normal, depth = plane("RGBA"), plane("Normal"), plane("Depth")
+                camera = scene.renderer.GetActiveCamera()
+                distance = np.linalg.norm(camera.GetPosition())
+                ticks = (np.arange(101) + 0.5 - 50.5) / 101 * 2.0 * 0.7
+                x, y = np.meshgrid(ticks, ticks)
+                hit = color[..., 3] > 0
+                self.assertTrue(np.isinf(depth[~hit]).all())
+                self.assertEqual(np.abs(normal[~hit]).max(), 0.0)
+                scale = 1.0 if parallel else depth[hit] / distance
+                point = np.stack([x[hit] * scale, y[hit] * scale, distance - depth[hit]], axis=1)
+                radius = np.linalg.norm(point, axis=1)
+                # chords of 64 facets lie (1 - cos(pi / 64)) r below the sphere, at most
+                self.assertLessEqual(np.abs(radius - 0.5).max(), 0.5 * 2.0 * (1 - np.cos(np.pi / 64)) + 1e-5)
+                # normals are interpolated over a facet
+                self.assertGreaterEqual((normal[hit] * point / radius[:, None]).sum(axis=1).min(), 0.999)
+                # seen straight on by the light at the eye
+                self.assertLessEqual(np.abs(color[50, 50, :3] - (0.2, 0.9, 0.4)).max(), 0.01)
+                # nothing is left behind in the shaders
+                before = scene.pixels()
+                mapper.GetGeometryImage(data)
+                scene.renderer.GetActiveCamera().Azimuth(0.0)
+                self.assertEqual(np.abs(scene.pixels() - before).max(), 0.0)
 
     def shaded(self, **switches):
         """Two squares, one in front of the other, and between them a ball of smoke to one side."""

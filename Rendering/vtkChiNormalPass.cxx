@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkChiNormalPass.h"
+
+#include "vtkObjectFactory.h"
+#include "vtkProp.h"
+#include "vtkRenderState.h"
+#include "vtkRenderer.h"
+#include "vtkShaderProgram.h"
+
+vtkStandardNewMacro(vtkChiNormalPass);
+
+//------------------------------------------------------------------------------
+void vtkChiNormalPass::Render(const vtkRenderState* state)
+{
+  this->PreRender(state);
+  for (int i = 0; i < state->GetPropArrayCount(); ++i)
+  {
+    state->GetPropArray()[i]->RenderOpaqueGeometry(state->GetRenderer());
+  }
+  this->PostRender(state);
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiNormalPass::PreReplaceShaderValues(std::string& vtkNotUsed(vertexShader),
+  std::string& vtkNotUsed(geometryShader), std::string& fragmentShader,
+  vtkAbstractMapper* vtkNotUsed(mapper), vtkProp* vtkNotUsed(prop))
+{
+  // the last tag of main(): colours have been lit and textured by then
+  vtkShaderProgram::Substitute(fragmentShader, "//VTK::DepthPeeling::Impl",
+    "//VTK::DepthPeeling::Impl\n  //CHI::Normal::Impl\n", false);
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiNormalPass::PostReplaceShaderValues(std::string& vtkNotUsed(vertexShader),
+  std::string& vtkNotUsed(geometryShader), std::string& fragmentShader,
+  vtkAbstractMapper* vtkNotUsed(mapper), vtkProp* vtkNotUsed(prop))
+{
+  const bool known = fragmentShader.find("normalVCVSOutput") != std::string::npos;
+  vtkShaderProgram::Substitute(fragmentShader, "//CHI::Normal::Impl",
+    known ? "gl_FragData[0] = vec4(normalVCVSOutput, 1.0);" : "gl_FragData[0] = vec4(0.0);", false);
+  return true;
+}
