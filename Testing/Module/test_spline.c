@@ -146,6 +146,7 @@ static void noise_within_the_tolerance_is_not_followed(void)
   }
   CHECK(found[0] <= 0.5 * found[1]);
   CHECK(found[0] <= found[2]);
+  free(l.x);
 }
 
 static double distance_to_polyline(const line* l, const double p[3])

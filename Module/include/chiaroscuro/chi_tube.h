@@ -36,16 +36,17 @@ typedef struct chi_tube_params
   double radius; /**< length units, > 0; times the radius arrays where there are any */
   const chi_array_view* point_radius; /**< NULL, or one factor a point (index: point id), >= 0 */
   const chi_array_view* line_radius;  /**< NULL, or one factor a line, >= 0 */
-  int32_t sides;        /**< >= 3; 0 = from chord_tolerance, 3 ... 64 */
-  int32_t frame;        /**< CHI_TUBE_ROTATION_MINIMISING or _FRENET */
-  int32_t cap;          /**< CHI_TUBE_CAP_... */
-  int32_t cells;        /**< CHI_TUBE_STRIPS or _TRIANGLES */
-  int32_t limit_radius; /**< non-zero: radius < 1 / curvature (Schott et al. 2013, section 4) */
-  int32_t keep_rings;   /**< non-zero: one ring at every cleaned input point, nothing dropped */
-  double chord_tolerance; /**< largest distance of the axis between rings from their chord, and of the
-                               radius from linear, length units, > 0 */
+  int32_t sides;                      /**< >= 3; 0 = from chord_tolerance, 3 ... 64 */
+  int32_t frame;                      /**< CHI_TUBE_ROTATION_MINIMISING or _FRENET */
+  int32_t cap;                        /**< CHI_TUBE_CAP_... */
+  int32_t cells;                      /**< CHI_TUBE_STRIPS or _TRIANGLES */
+  int32_t limit_radius;   /**< non-zero: radius < 1 / curvature (Schott et al. 2013, section 4) */
+  int32_t keep_rings;     /**< non-zero: one ring at every cleaned input point, nothing dropped */
+  double chord_tolerance; /**< largest distance of the axis between rings from their chord, and of
+                             the radius from linear, length units, > 0 */
   double angular_tolerance_rad; /**< largest turn of the axis between rings, > 0 */
-  double attribute_tolerance;   /**< largest error of a float array, fraction of its range; 0 ignores */
+  double
+    attribute_tolerance; /**< largest error of a float array, fraction of its range; 0 ignores */
   const chi_array_view* const* attributes; /**< float point arrays that hold rings in place */
   size_t attribute_count;
   const double* clip_box; /**< NULL, or xmin xmax ymin ymax zmin zmax: lines wholly outside, radius
@@ -56,9 +57,9 @@ typedef struct chi_tube_params
 typedef struct chi_tube_sizes
 {
   size_t struct_size;
-  size_t points;        /**< output vertices */
-  size_t cells;         /**< strips or triangles, caps included */
-  size_t connectivity;  /**< entries of the connectivity array */
+  size_t points;       /**< output vertices */
+  size_t cells;        /**< strips or triangles, caps included */
+  size_t connectivity; /**< entries of the connectivity array */
   size_t rings;
   size_t curves;        /**< lines that are tubed */
   size_t curve_points;  /**< points of the curves as polylines: one a ring, one more where closed */
@@ -75,16 +76,16 @@ typedef struct chi_tube_sizes
 typedef struct chi_tube_outputs
 {
   size_t struct_size;
-  void* points;          /**< [points x 3] of point_type */
-  chi_type point_type;   /**< CHI_F32 or CHI_F64 */
-  float* normals;        /**< [points x 3] unit, outward */
-  float* tcoords;        /**< [points x 2] along: (arc length of the rings, radius-free) / tcoord_length,
-                              around: side / sides */
-  double tcoord_length;  /**< > 0; 0: each line's own length, so that it runs from 0 to 1 */
-  float* parameter;      /**< [points] curve parameter, 0 ... 1 */
-  int64_t* line_ids;     /**< [cells] index of the input line */
-  int64_t* offsets;      /**< [cells + 1] */
-  int64_t* connectivity; /**< [connectivity] */
+  void* points;        /**< [points x 3] of point_type */
+  chi_type point_type; /**< CHI_F32 or CHI_F64 */
+  float* normals;      /**< [points x 3] unit, outward */
+  float* tcoords; /**< [points x 2] along: (arc length of the rings, radius-free) / tcoord_length,
+                       around: side / sides */
+  double tcoord_length;    /**< > 0; 0: each line's own length, so that it runs from 0 to 1 */
+  float* parameter;        /**< [points] curve parameter, 0 ... 1 */
+  int64_t* line_ids;       /**< [cells] index of the input line */
+  int64_t* offsets;        /**< [cells + 1] */
+  int64_t* connectivity;   /**< [connectivity] */
   double* curve_points;    /**< [curve_points x 3] */
   int64_t* curve_offsets;  /**< [curves + 1] */
   int64_t* curve_line_ids; /**< [curves] */
@@ -99,15 +100,16 @@ CHI_API void chi_tube_destroy(const chi_exec* exec, chi_tube* tube);
  * Choose lines, rings and radii; afterwards the sizes are known and nothing has been written.
  *
  * @param[in]     exec    host services, or NULL
- * @param[in,out] tube    plan; borrows `spline` and `lines`, which must stay as they are until the last
- *                        sweep or attribute call
- * @param[in]     spline  curves of exactly these lines (chi_spline_fit); degree 1 gives mitred rings
+ * @param[in,out] tube    plan; borrows `spline` and `lines`, which must stay as they are until the
+ * last sweep or attribute call
+ * @param[in]     spline  curves of exactly these lines (chi_spline_fit); degree 1 gives mitred
+ * rings
  * @param[in]     lines   the input of that fit, for the points' ids
  * @param[in]     params  borrowed for the call
  *
  * @retval CHI_OK
- * @retval CHI_ERROR_INVALID_ARGUMENT  null pointer, parameter out of range, array of the wrong length, a
- *                                     radius that is negative or not finite
+ * @retval CHI_ERROR_INVALID_ARGUMENT  null pointer, parameter out of range, array of the wrong
+ * length, a radius that is negative or not finite
  * @retval CHI_ERROR_OUT_OF_MEMORY     scratch of about 12 bytes a ring was refused
  * @retval CHI_ERROR_TOO_LARGE         an output would overflow 64 bits
  * @retval CHI_ERROR_CANCELLED
@@ -122,15 +124,15 @@ CHI_API CHI_NODISCARD chi_status chi_tube_plan(const chi_exec* exec, chi_tube* t
 CHI_API void chi_tube_get_sizes(const chi_tube* tube, chi_tube_sizes* sizes);
 
 /**
- * Write the surface planned last: rings of `sides` vertices along rotation-minimising (or consistent
- * Frenet) frames, caps, cells.
+ * Write the surface planned last: rings of `sides` vertices along rotation-minimising (or
+ * consistent Frenet) frames, caps, cells.
  *
  * @retval CHI_OK, CHI_ERROR_INVALID_ARGUMENT, CHI_ERROR_NOT_READY (no plan), CHI_ERROR_CANCELLED
  *
  * Precision    axis and frames in double, offsets from the axis in float, sums in point_type.
  * Determinism  same bits for any schedule.
- * Source       Wang, Juettler, Zheng & Liu, "Computation of Rotation Minimizing Frames", ACM TOG 27(1),
- *              2008, section 4 (double reflection).
+ * Source       Wang, Juettler, Zheng & Liu, "Computation of Rotation Minimizing Frames", ACM TOG
+ * 27(1), 2008, section 4 (double reflection).
  */
 CHI_API CHI_NODISCARD chi_status chi_tube_sweep(
   const chi_exec* exec, const chi_tube* tube, const chi_tube_outputs* outputs);
@@ -142,8 +144,8 @@ enum
 };
 
 /**
- * Carry a point array through the spline. Float types: linear in the curve's parameter between input
- * points, so never beyond their values; other types: from the nearest input point.
+ * Carry a point array through the spline. Float types: linear in the curve's parameter between
+ * input points, so never beyond their values; other types: from the nearest input point.
  *
  * @param[in]  in   [points of the lines' view] tuples
  * @param[out] out  [points or curve_points] tuples of the same type and components
