@@ -3,7 +3,7 @@
 """Scenes for the tests and the benchmark of vtkChiCombinedOcclusionVolumeMapper."""
 import numpy as np
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401 (registers the factories)
-import vtkmodules.vtkRenderingVolumeOpenGL2  # noqa: F401
+import vtkmodules.vtkRenderingVolumeOpenGL2  # noqa: F401 (likewise)
 from vtkmodules.util.misc import calldata_type
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.util.vtkConstants import VTK_STRING
@@ -47,6 +47,12 @@ def image(values, spacing=(1.0, 1.0, 1.0), origin=None, cells=False):
     return data
 
 
+def cube(values, edge=1.0, center=(0.0, 0.0, 0.0)):
+    """An image whose samples span a cube of that edge around the centre."""
+    h = edge / (values.shape[0] - 1)
+    return image(values.astype(np.float32), (h, h, h), [c - 0.5 * edge for c in center])
+
+
 def marschner_lobb(n, dtype=np.float32):
     """The test signal of Marschner & Lobb (Visualization 1994) on [-1, 1]^3; integers span 0 ... 255."""
     ticks = np.linspace(-1.0, 1.0, n)
@@ -64,6 +70,9 @@ def ball(n, radius=0.35, soft=0.15, offset=(0.0, 0.0, 0.0)):
     z, y, x = np.meshgrid(ticks, ticks, ticks, indexing="ij", sparse=True)
     distance = np.sqrt((x - offset[0]) ** 2 + (y - offset[1]) ** 2 + (z - offset[2]) ** 2)
     return np.clip((radius - distance) / soft + 0.5, 0.0, 1.0).astype(np.float32)
+
+
+WHITE = ((0.0, (1.0, 1.0, 1.0)), (1.0, (1.0, 1.0, 1.0)))
 
 
 def volume_property(scale=1.0, opacity=0.3, unit=1.0, colors=None):
