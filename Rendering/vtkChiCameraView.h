@@ -33,20 +33,38 @@ public:
       return "the active camera is not a vtkOpenGLCamera";
     }
     camera->GetKeyMatrices(renderer, view, normals, projection, both); // columns first, as for GLSL
+    double newView[16];
+    double newProjection[16];
     for (int row = 0; row < 4; ++row)
     {
       for (int column = 0; column < 4; ++column)
       {
-        this->View[4 * row + column] = view->GetElement(column, row);
-        this->Projection[4 * row + column] = projection->GetElement(column, row);
+        newView[4 * row + column] = view->GetElement(column, row);
+        newProjection[4 * row + column] = projection->GetElement(column, row);
       }
     }
     for (int i = 0; i < 16; ++i)
     {
-      if (!std::isfinite(this->View[i]) || !std::isfinite(this->Projection[i]))
+      if (!std::isfinite(newView[i]) || !std::isfinite(newProjection[i]))
       {
         return "the camera's matrices are not finite";
       }
+    }
+    // A camera that has only been rounded anew is the same one, and nothing needs to be drawn
+    // again: vtkWindowToImageFilter sets the view angle it has read, through a pi of eight digits.
+    double projectionRounded[16];
+    std::copy(newProjection, newProjection + 16, projectionRounded);
+    for (int i = 0; i < 6; i += 5)
+    {
+      if (std::abs(newProjection[i] - this->Projection[i]) < 1e-7 * std::abs(this->Projection[i]))
+      {
+        projectionRounded[i] = this->Projection[i]; // 1e-4 of a pixel at a thousand pixels
+      }
+    }
+    if (!IsRounded(newView, this->View) || !IsRounded(projectionRounded, this->Projection))
+    {
+      std::copy(newView, newView + 16, this->View);
+      std::copy(newProjection, newProjection + 16, this->Projection);
     }
     return this->Decompose(width, height);
   }
@@ -69,6 +87,18 @@ public:
   const char* GetLimit() const { return this->Limit; }
 
 private:
+  static bool IsRounded(const double* matrix, const double* last)
+  {
+    double largest = 0.0;
+    double difference = 0.0;
+    for (int i = 0; i < 16; ++i)
+    {
+      largest = std::max(largest, std::abs(last[i]));
+      difference = std::max(difference, std::abs(matrix[i] - last[i]));
+    }
+    return difference <= 1e-14 * largest; // a few roundings of a double
+  }
+
   const char* Decompose(int width, int height)
   {
     const double* p = this->Projection;

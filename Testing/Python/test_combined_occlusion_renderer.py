@@ -193,6 +193,19 @@ class Renderer(unittest.TestCase):
         volume.SetPosition(0.0, 0.1, 0.0)
         self.assertEqual(frame(), (False, True))
 
+    def test_a_screenshot_does_not_render_again(self):
+        scene = Scene((64, 64))
+        mapper = self.fill(scene, scene.renderer)  # in perspective: the filter sets the view angle
+        expected = scene.pixels()
+        grab = vtkWindowToImageFilter()
+        grab.SetInput(scene.window)
+        grab.SetInputBufferTypeToRGB()
+        grab.Update()
+        self.assertTrue(mapper.GetReusedLastFrame())
+        self.assertTrue(mapper.GetReusedGeometry())
+        shot = vtk_to_numpy(grab.GetOutput().GetPointData().GetScalars()).reshape(64, 64, 3)
+        self.assertLess(np.abs(shot / 255.0 - expected).max(), 1e-9)
+
     def test_a_part_of_an_assembly_that_moves_or_changes_shape_is_seen(self):
         scene = Scene((64, 64))
         _, mapper = scene.add_volume(cube(ball(16), 1.2), volume_property(unit=0.1))
