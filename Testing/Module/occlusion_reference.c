@@ -229,6 +229,35 @@ reference_view reference_perspective_view(double angle_deg)
   return view;
 }
 
+reference_view reference_turned_view(const double center[3], double distance,
+  const double turn_deg[2], double size, int32_t pixels, int32_t parallel)
+{
+  const double a = turn_deg[0] * radian, e = turn_deg[1] * radian;
+  /* Rows of the rotation from the world to the eye. */
+  const double r[3][3] = { { cos(a), 0, sin(a) }, { sin(e) * sin(a), cos(e), -sin(e) * cos(a) },
+    { -cos(e) * sin(a), sin(e), cos(e) * cos(a) } };
+  const double world[3] = { center[0], center[1], -center[2] };
+  reference_view view = { .camera = { .struct_size = sizeof(chi_camera) } };
+  for (int i = 0; i < 3; ++i)
+  {
+    double* const row = view.camera.world_to_eye + 4 * i;
+    row[3] = i == 2 ? -distance : 0;
+    for (int j = 0; j < 3; ++j)
+    {
+      row[j] = r[i][j];
+      row[3] -= r[i][j] * world[j];
+    }
+  }
+  view.camera.world_to_eye[15] = 1;
+  const double half = 0.5 * size / (parallel ? 1 : distance);
+  view.camera.window[0] = view.camera.window[2] = -half;
+  view.camera.window[1] = view.camera.window[3] = half;
+  view.camera.parallel = parallel;
+  view.camera.width = view.camera.height = pixels;
+  view.camera.near_depth = parallel ? 0 : 1e-3 * distance;
+  return view;
+}
+
 double reference_depth(const reference_view* view, const double at[3])
 {
   return at[2] - view->eye[2];

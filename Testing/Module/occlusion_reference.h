@@ -77,6 +77,11 @@ double reference_extinction(const reference_volume* volume, const double at[3]);
 
 reference_view reference_parallel_view(void);
 reference_view reference_perspective_view(double angle_deg);
+/* An eye anywhere: it looks at `center` (index space) from `distance`, turned about the vertical,
+ * then upwards; the window shows `size` at the centre's depth. Not for reference_visibility. */
+reference_view reference_turned_view(const double center[3], double distance,
+  const double turn_deg[2], double size, int32_t pixels, int32_t parallel);
+
 double reference_depth(const reference_view* view, const double at[3]);
 
 /* The judged points of scenes.py (parallel) or perspective.py, every `stride`-th of them. */
