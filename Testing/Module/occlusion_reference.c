@@ -379,7 +379,7 @@ void reference_points_free(reference_points* points)
   points->count = 0;
 }
 
-static double blocked_by(
+static int is_blocked(
   const reference_surface* surface, const reference_view* view, const double at[3])
 {
   double pixel[3];
@@ -421,7 +421,7 @@ static double ray_thickness(const reference_volume* v, const reference_surface* 
   double range[2] = { 0, -1 };
   if (surface)
   {
-    range[1] = 4 * REFERENCE_SIZE;
+    range[1] = 4.0 * REFERENCE_SIZE;
   }
   else if (v)
   {
@@ -441,11 +441,11 @@ static double ray_thickness(const reference_volume* v, const reference_surface* 
       start[2] - t * direction[2] };
     if (surface)
     {
-      if (reference_depth(view, at) <= 0)
+      if (reference_depth(view, at) < surface->nearest && !v)
       {
         break;
       }
-      if (blocked_by(surface, view, at) > 0)
+      if (is_blocked(surface, view, at))
       {
         return INFINITY;
       }

@@ -65,6 +65,7 @@ typedef struct reference_surface
 {
   const float* depth;
   double thickness;
+  double nearest; /* smallest depth: rays end there */
 } reference_surface;
 
 /* 0 when memory or the file is missing. */
