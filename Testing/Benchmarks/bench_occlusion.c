@@ -1,0 +1,384 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+
+/*
+ * The occlusion engine: run time against error of V on the judged scenes, and frames of
+ * Marschner-Lobb with a moving camera.
+ *
+ *   bench_occlusion [brain128.raw]        the file that scenes.py writes; without it, no brain
+ *
+ * Prints CSV. The error is that of visibility against the exact cone, at bias 0 (see
+ * occlusion_reference.h); times are of whole frames in which only the bias moves by nothing.
+ */
+
+#include "occlusion_reference.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+enum
+{
+  RUNS = 5,
+  MAX_THREADS = 64
+};
+
+static double now_ns(void)
+{
+  struct timespec t;
+  timespec_get(&t, TIME_UTC);
+  return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
+}
+
+/* A plain parallel_for: threads of its own a call, pieces handed out by a counter. */
+typedef struct pool
+{
+  int threads;
+} pool;
+
+typedef struct pool_job
+{
+  chi_range_fn body;
+  void* data;
+  size_t count, piece;
+  atomic_size_t next;
+} pool_job;
+
+static void* work(void* arg)
+{
+  pool_job* const job = (pool_job*)arg;
+  for (;;)
+  {
+    const size_t begin = atomic_fetch_add(&job->next, job->piece);
+    if (begin >= job->count)
+    {
+      return NULL;
+    }
+    const size_t end = begin + job->piece < job->count ? begin + job->piece : job->count;
+    job->body(job->data, begin, end);
+  }
+}
+
+static void pool_for(void* user, size_t count, chi_range_fn body, void* data)
+{
+  const int threads = ((const pool*)user)->threads;
+  pool_job job = { body, data, count, count / (size_t)(16 * threads) + 1, 0 };
+  pthread_t thread[MAX_THREADS];
+  int started = 0;
+  while (started < threads - 1 && pthread_create(thread + started, NULL, work, &job) == 0)
+  {
+    ++started;
+  }
+  work(&job);
+  for (int i = 0; i < started; ++i)
+  {
+    pthread_join(thread[i], NULL);
+  }
+}
+
+static chi_exec exec_of(pool* p)
+{
+  return (chi_exec){ .struct_size = sizeof(chi_exec), .user = p, .parallel_for = pool_for };
+}
+
+/* A scene with its judged points and exact visibilities. */
+typedef struct judged_scene
+{
+  const char* name;
+  reference_volume volume;
+  reference_view view;
+  reference_points points;
+  reference_rays rays;
+  double range;
+  double *exact, *work;
+  float* visibility;
+} judged_scene;
+
+static void solve(void* data, size_t begin, size_t end)
+{
+  const judged_scene* const s = (const judged_scene*)data;
+  for (size_t i = begin; i < end; ++i)
+  {
+    s->exact[i] =
+      reference_visibility(&s->volume, NULL, &s->view, &s->rays, s->points.position + 3 * i);
+  }
+}
+
+static void judged_free(judged_scene* s)
+{
+  reference_points_free(&s->points);
+  reference_volume_free(&s->volume);
+  free(s->exact);
+  free(s->work);
+  free(s->visibility);
+}
+
+static int judge(judged_scene* s, const char* name, reference_kind kind, const char* raw,
+  double angle_deg, pool* threads)
+{
+  *s = (judged_scene){ .name = name,
+    .view = angle_deg > 0 ? reference_perspective_view(angle_deg) : reference_parallel_view(),
+    .rays = { angle_deg > 0 ? 512 : 1024, angle_deg > 0 ? 0.5 : 0.25, 0.78539816339744831 },
+    .range = kind == REFERENCE_HALF_PLANE ? 8
+      : kind == REFERENCE_BALLS           ? 4.5
+                                          : 0.6 };
+  if (!reference_scene(&s->volume, kind, raw) ||
+    !reference_points_create(&s->points, &s->volume, kind, &s->view, 1))
+  {
+    return 0;
+  }
+  s->exact = malloc(s->points.count * sizeof(double));
+  s->work = malloc(s->points.count * sizeof(double));
+  s->visibility = malloc(s->points.count * sizeof(float));
+  if (!s->exact || !s->work || !s->visibility)
+  {
+    return 0;
+  }
+  pool_for(threads, s->points.count, solve, s);
+  return 1;
+}
+
+/* Shortest of several frames without probes; what moves is too little to matter, but does move. */
+static double time_frames(const chi_exec* exec, chi_occlusion* engine, reference_frame* f)
+{
+  double best = INFINITY;
+  for (int run = 0; run < RUNS + 1; ++run)
+  {
+    f->params.bias = run & 1 ? 1e-9 : 0;
+    const double t0 = now_ns();
+    if (chi_occlusion_render(exec, engine, &f->frame) != CHI_OK)
+    {
+      return INFINITY;
+    }
+    best = fmin(best, now_ns() - t0);
+  }
+  return best;
+}
+
+static void measure(const chi_exec* exec, chi_occlusion* engine, reference_frame* f,
+  judged_scene* s, const char* method, int threads)
+{
+  const double ns = time_frames(exec, engine, f);
+  f->params.bias = 0;
+  if (reference_probe(exec, engine, f, &s->view, &s->points, s->visibility) != CHI_OK)
+  {
+    return;
+  }
+  const reference_error e = reference_compare(s->visibility, s->exact, s->points.count, s->work);
+  const double values[2] = { e.mean, e.p99 };
+  static const char* const kinds[2] = { "mean_dV", "p99_dV" };
+  for (int k = 0; k < 2; ++k)
+  {
+    printf("occlusion,%s,%s,%d,%zu,%d,%.0f,%.5f,%s\n", s->name, method, f->params.directions,
+      s->volume.n[0] * s->volume.n[1] * s->volume.n[2], threads, ns, values[k], kinds[k]);
+  }
+  fflush(stdout);
+}
+
+static void measure_scene(judged_scene* s, pool* p)
+{
+  static const char* const slices[3] = { "", "-2-slices", "-4-slices" };
+  const chi_exec exec = exec_of(p);
+  reference_frame* const f = malloc(sizeof *f);
+  chi_occlusion* engine = NULL;
+  if (!f || chi_occlusion_create(&exec, &engine) != CHI_OK)
+  {
+    free(f);
+    return;
+  }
+  for (int half = 0; half < 2; ++half)
+  {
+    for (int directions = 4; directions <= 64; directions *= 2)
+    {
+      for (int k = 0; k < (directions == 16 ? 3 : 1); ++k)
+      {
+        char method[64];
+        snprintf(method, sizeof method, "chi-ordinates-%s%s", half ? "half" : "full", slices[k]);
+        reference_frame_init(f, &s->volume, &s->view, s->range);
+        f->params.directions = directions;
+        f->params.half_size = half;
+        f->params.sample_distance = 1.0 / (1 << k);
+        measure(&exec, engine, f, s, method, p->threads);
+      }
+    }
+  }
+  for (int taps = 16; taps <= 64; taps *= 4)
+  {
+    reference_frame_init(f, &s->volume, &s->view, s->range);
+    f->params.method = CHI_OCCLUSION_PUBLISHED;
+    f->params.directions = taps;
+    f->params.half_size = 0;
+    f->params.sample_distance = 1;
+    measure(&exec, engine, f, s, "chi-published-full", p->threads);
+  }
+  chi_occlusion_destroy(&exec, engine);
+  free(f);
+}
+
+/* Marschner & Lobb 1994 on [-1, 1]^3, alpha 0.25, f_M 6, as 8 bits. */
+static uint8_t* marschner_lobb(int size)
+{
+  const double pi = 3.14159265358979324, step = 2.0 / (size - 1);
+  uint8_t* const out = malloc((size_t)size * (size_t)size * (size_t)size);
+  for (int k = 0; out && k < size; ++k)
+  {
+    for (int j = 0; j < size; ++j)
+    {
+      for (int i = 0; i < size; ++i)
+      {
+        const double x = i * step - 1, y = j * step - 1, z = k * step - 1;
+        const double rho = cos(2 * pi * 6 * cos(0.5 * pi * sqrt(x * x + y * y)));
+        const double value = (1 - sin(0.5 * pi * z) + 0.25 * (1 + rho)) / (2 * 1.25);
+        out[((size_t)k * (size_t)size + (size_t)j) * (size_t)size + (size_t)i] =
+          (uint8_t)(255 * value + 0.5);
+      }
+    }
+  }
+  return out;
+}
+
+/* Fog everywhere, or three thin shells: opacity a voxel over 256 entries. */
+static void frame_transfer(reference_frame* f, int shells)
+{
+  f->transfer.count = 256;
+  f->transfer.range[0] = 0;
+  f->transfer.range[1] = 255;
+  f->transfer.unit_distance = 1;
+  for (int i = 0; i < 256; ++i)
+  {
+    const int in_shell = abs(i - 90) <= 2 || abs(i - 128) <= 2 || abs(i - 166) <= 2;
+    f->opacity[i] = shells ? (in_shell ? 0.4f : 0) : 0.002f + 0.01f * (float)i / 255;
+    f->rgb[3 * i] = (float)i / 255;
+    f->rgb[3 * i + 1] = 0.6f;
+    f->rgb[3 * i + 2] = 1 - (float)i / 255;
+  }
+}
+
+/* ResetCamera, Azimuth 30, Elevation 20, Zoom 1.4, then one degree a frame. */
+static reference_view moving_view(int frame, int pixels)
+{
+  const double degree = 0.017453292519943295, side = 255;
+  const double center[3] = { 0.5 * side, 0.5 * side, 0.5 * side };
+  const double turn[2] = { 30.0 + frame, 20 };
+  const double radius = 0.5 * sqrt(3.0) * side, distance = radius / sin(15 * degree);
+  reference_view view =
+    reference_turned_view(center, distance, turn, 2 * distance * tan(15 / 1.4 * degree), pixels, 0);
+  view.camera.near_depth = distance - radius;
+  return view;
+}
+
+static void time_moving(int shells, int directions, int half, int threads, const uint8_t* scalars)
+{
+  pool p = { threads };
+  const chi_exec exec = exec_of(&p);
+  const size_t n = 256;
+  reference_frame* const f = malloc(sizeof *f);
+  chi_occlusion* engine = NULL;
+  if (!f || chi_occlusion_create(&exec, &engine) != CHI_OK)
+  {
+    free(f);
+    return;
+  }
+  reference_view view = moving_view(0, 512);
+  reference_frame_init(f, NULL, &view, 1);
+  frame_transfer(f, shells);
+  f->volume = (chi_volume_view){ .struct_size = sizeof f->volume,
+    .scalars = scalars,
+    .type = CHI_U8,
+    .stride = 1,
+    .dimensions = { n, n, n },
+    .index_to_world = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1 },
+    .interpolation = CHI_LINEAR,
+    .version = 1 };
+  f->frame.volume = &f->volume;
+  f->frame.transfer = &f->transfer;
+  f->params.bias = -1;
+  f->params.directions = directions ? directions : 16;
+  f->params.strength = directions ? 1 : 0;
+  f->params.half_size = half;
+  f->params.sample_distance = 1;
+  double moving = INFINITY, still = INFINITY;
+  chi_occlusion_stats stats = { 0 };
+  for (int frame = 0; frame < 8; ++frame)
+  {
+    f->camera = moving_view(frame, 512).camera;
+    double t0 = now_ns();
+    if (chi_occlusion_render(&exec, engine, &f->frame) != CHI_OK)
+    {
+      break;
+    }
+    moving = frame ? fmin(moving, now_ns() - t0) : moving; /* the first also reads the volume */
+    chi_occlusion_get_stats(engine, &stats);
+    t0 = now_ns();
+    if (chi_occlusion_render(&exec, engine, &f->frame) == CHI_OK)
+    {
+      still = fmin(still, now_ns() - t0);
+    }
+  }
+  char method[64];
+  snprintf(method, sizeof method, directions ? "chi-ordinates-%s" : "chi-unshaded",
+    half ? "half" : "full");
+  printf("occlusion,%s,%s,%d,%zu,%d,%.0f,0,none\n", shells ? "ml256-shells" : "ml256-fog", method,
+    directions, n * n * n, threads, moving);
+  if (directions == 16 && half)
+  {
+    printf("occlusion,%s-unchanged,%s,%d,%zu,%d,%.0f,0,none\n",
+      shells ? "ml256-shells" : "ml256-fog", method, directions, n * n * n, threads, still);
+  }
+  fprintf(stderr,
+    "# %s %s %d directions, %d threads: %.1f ms, %lld samples (+ %lld skipped), %lld light (+ %lld "
+    "skipped), CPU: samples %.0f ms, light %.0f ms\n",
+    shells ? "shells" : "fog", half ? "half" : "full", directions, threads, 1e-6 * moving,
+    (long long)stats.samples, (long long)stats.skipped_samples, (long long)stats.light_updates,
+    (long long)stats.skipped_light_updates, 1e3 * stats.seconds_samples, 1e3 * stats.seconds_light);
+  fflush(stdout);
+  chi_occlusion_destroy(&exec, engine);
+  free(f);
+}
+
+int main(int argc, char** argv)
+{
+  pool two = { 2 };
+  printf("topic,case,method,parameter,n,threads,min_ns,error,error_kind\n");
+  fprintf(stderr, "# instruction set: %s\n", chi_occlusion_instruction_set());
+  static const struct
+  {
+    const char* name;
+    reference_kind kind;
+    double angle_deg;
+  } scenes[7] = { { "half-plane", REFERENCE_HALF_PLANE, 0 }, { "balls", REFERENCE_BALLS, 0 },
+    { "half-plane-30deg", REFERENCE_HALF_PLANE, 30 },
+    { "half-plane-60deg", REFERENCE_HALF_PLANE, 60 }, { "balls-30deg", REFERENCE_BALLS, 30 },
+    { "balls-60deg", REFERENCE_BALLS, 60 }, { "brain", REFERENCE_RAW, 0 } };
+  for (int k = 0; k < (argc > 1 ? 7 : 6); ++k)
+  {
+    judged_scene s;
+    if (judge(
+          &s, scenes[k].name, scenes[k].kind, argc > 1 ? argv[1] : NULL, scenes[k].angle_deg, &two))
+    {
+      measure_scene(&s, &two);
+    }
+    else
+    {
+      fprintf(stderr, "# %s: no memory, or the file cannot be read\n", scenes[k].name);
+    }
+    judged_free(&s);
+  }
+  uint8_t* const scalars = marschner_lobb(256);
+  for (int shells = 0; scalars && shells < 2; ++shells)
+  {
+    for (int threads = 1; threads <= 2; ++threads)
+    {
+      time_moving(shells, 0, 1, threads, scalars);
+      time_moving(shells, 8, 1, threads, scalars);
+      time_moving(shells, 16, 1, threads, scalars);
+      time_moving(shells, 16, 0, threads, scalars);
+    }
+  }
+  const int failed = scalars == NULL;
+  free(scalars);
+  return failed;
+}
