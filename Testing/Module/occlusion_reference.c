@@ -441,7 +441,8 @@ static double ray_thickness(const reference_volume* v, const reference_surface* 
       start[2] - t * direction[2] };
     if (surface)
     {
-      if (reference_depth(view, at) < surface->nearest && !v)
+      const double front = v ? reference_depth(view, v->low) : INFINITY;
+      if (reference_depth(view, at) < fmin(surface->nearest, front))
       {
         break;
       }
