@@ -58,7 +58,8 @@ int TestChiCombinedOcclusionScene(int argc, char* argv[])
   vtkNew<vtkChiCombinedOcclusionVolumeMapper> mapper;
   mapper->SetInputConnection(wavelet->GetOutputPort());
   mapper->SetSampleDistance(0.25);
-  mapper->SetNumberOfDirections(64); // so that another good set of directions gives the same picture
+  mapper->SetNumberOfDirections(
+    64); // so that another good set of directions gives the same picture
   vtkNew<vtkColorTransferFunction> color;
   color->AddRGBPoint(130, 0.25, 0.45, 0.85);
   color->AddRGBPoint(200, 0.95, 0.85, 0.6);
