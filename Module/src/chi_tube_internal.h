@@ -109,9 +109,10 @@ static inline double chi_normalise(double v[3])
   const double length = sqrt(chi_dot(v, v));
   if (length > 0)
   {
-    v[0] /= length;
-    v[1] /= length;
-    v[2] /= length;
+    const double inverse = 1 / length; /* one division: this runs five times a ring */
+    v[0] *= inverse;
+    v[1] *= inverse;
+    v[2] *= inverse;
   }
   return length;
 }

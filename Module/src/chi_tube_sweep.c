@@ -647,10 +647,18 @@ static void sweep_curve(const sweep_job* job, size_t i)
   const chi_tube_outputs* const o = job->out;
   chi_spline_curve c;
   chi_spline_get_curve(t->spline, i, &c);
+  const int direct = c.degree == 1 && c.count == line->ring_count && t->keep_rings;
   for (size_t k = 0; k < line->ring_count && o->curve_points; ++k)
   {
     double x[1][3];
-    chi_spline_evaluate(&c, t->ring[line->ring_start + k].u, 0, x);
+    if (direct)
+    {
+      memcpy(x[0], c.coefficients + 3 * k, sizeof x[0]);
+    }
+    else
+    {
+      chi_spline_evaluate(&c, t->ring[line->ring_start + k].u, 0, x);
+    }
     for (size_t a = 0; a < 3; ++a)
     {
       o->curve_points[3 * (line->curve_point_start + k) + a] = x[0][a] + c.origin[a];
