@@ -335,15 +335,18 @@ bool vtkChiGeometryBuffer::ReadNormals(vtkRenderer* renderer, std::vector<float>
 void vtkChiGeometryBuffer::ConvertDepth(const vtkChiCameraView& camera)
 {
   std::vector<float> depths(this->WindowDepths.size());
-  bool any = false;
+  const vtkChiCameraView view =
+    camera; // by value, so that the loop need not read it anew each time
+  const float none = std::numeric_limits<float>::infinity();
+  float nearest = 1.0f;
   for (std::size_t i = 0; i < depths.size(); ++i)
   {
     const float window = this->WindowDepths[i];
-    const bool hit = window < 1.0f;
-    any = any || hit;
-    depths[i] = hit ? static_cast<float>(camera.Depth(static_cast<double>(window)))
-                    : std::numeric_limits<float>::infinity();
+    const float depth = static_cast<float>(view.Depth(static_cast<double>(window)));
+    depths[i] = window < 1.0f ? depth : none;
+    nearest = std::min(nearest, window);
   }
+  const bool any = nearest < 1.0f;
   this->AnySurface = any;
   this->View.struct_size = sizeof(chi_surface_view);
   if (depths != this->Depths)
