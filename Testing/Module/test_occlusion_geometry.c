@@ -41,11 +41,13 @@ static void bench_destroy(bench* b)
   free(b->depth);
 }
 
+/* New depths and samples each time: they may lie at the addresses of the last. */
 static void bench_use(bench* b, const reference_volume* volume, double range)
 {
+  static uint64_t version = 0;
   reference_frame_init(b->frame, volume, &b->view, range);
-  b->frame->surface =
-    (chi_surface_view){ .struct_size = sizeof b->frame->surface, .depth = b->depth, .version = 1 };
+  b->frame->surface = (chi_surface_view){ sizeof b->frame->surface, b->depth, ++version };
+  b->frame->volume.version = version;
   b->frame->frame.surface = &b->frame->surface;
 }
 
@@ -210,7 +212,7 @@ static void tilt(bench* b, double slope, int along_y)
 /*
  * Behind a plane that is one slab thin only that light arrives which leans more than the plane: no
  * ray slips between two pixels whose depths lie slabs apart. In front of it that light is missing.
- * Half a pixel of depth, the slab, and 32 directions leave 0.04 of the cone open to doubt.
+ * Half a pixel of depth, the slab, and 32 directions leave 0.05 of the cone open to doubt.
  */
 static void tilted_surfaces(int goals)
 {
@@ -243,11 +245,11 @@ static void tilted_surfaces(int goals)
     const double before = seen ? (double)seen[64 + 64 * SIZE] : -1;
     printf("slope %.1f %s %s: behind %.3f (%.3f), in front %.3f (%.3f)\n", slope, k & 1 ? "y" : "x",
       k & 2 ? "half" : "full", behind, expected, before, 1 - expected);
-    CHECK(behind <= expected + 0.04);
+    CHECK(behind <= expected + 0.05);
     /* At half size a tilted surface shades itself, the more the steeper: 0.57 for 0.84 at slope 2.
      */
-    CHECK(before <= 1 - expected + 0.04);
-    CHECK(before >= 1 - expected - (goals ? 0.04 : k & 2 ? 0.3 : 0.1));
+    CHECK(before <= 1 - expected + 0.05);
+    CHECK(before >= 1 - expected - (goals ? 0.05 : k & 2 ? 0.3 : 0.1));
     reference_volume_free(&empty);
   }
   bench_destroy(&b);
