@@ -4,6 +4,7 @@
 #define vtkChiCameraView_h
 
 #include <chiaroscuro/chi_camera.h>
+#include <chiaroscuro/chi_volume.h>
 
 #include "vtkCamera.h"
 #include "vtkMatrix3x3.h"
@@ -75,6 +76,28 @@ public:
     const double* p = this->Projection;
     const double z = 2.0 * window - 1.0;
     return (z * p[15] - p[11]) / (z * p[14] - p[10]);
+  }
+
+  // Whether any corner of the volume's box lies beyond the near plane.
+  bool Reaches(const chi_volume_view* volume) const
+  {
+    double matrix[16];
+    vtkMatrix4x4::Multiply4x4(this->Camera.world_to_eye, volume->index_to_world, matrix);
+    const double margin = volume->is_cell_data ? 0.5 : 0.0;
+    for (int corner = 0; corner < 8; ++corner)
+    {
+      double depth = -matrix[11];
+      for (int axis = 0; axis < 3; ++axis)
+      {
+        const double last = static_cast<double>(volume->dimensions[axis]) - 1.0;
+        depth -= matrix[8 + axis] * ((corner >> axis) & 1 ? last + margin : -margin);
+      }
+      if (depth > this->Camera.near_depth)
+      {
+        return true;
+      }
+    }
+    return false;
   }
 
   const chi_camera* Get() const { return &this->Camera; }

@@ -241,6 +241,7 @@ bool vtkChiCombinedOcclusionVolumeMapper::Collect(vtkRenderer* renderer, vtkVolu
   if (in.HasVolume)
   {
     this->CollectUnsupported(volume);
+    in.HasVolume = in.Camera.Reaches(in.Input.GetVolume());
   }
   this->CollectParameters();
   return true;

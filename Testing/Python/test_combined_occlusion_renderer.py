@@ -70,6 +70,22 @@ class SeveralVolumes(unittest.TestCase):
         # the volumes' shadows on the square are factors; its own is taken with the first of them
         self.assertLessEqual(difference.mean(), 1.0)
 
+    def test_one_mapper_may_serve_two_volumes(self):
+        data, prop = cube(ball(16), 0.8), volume_property(1.0, 0.5, 0.1)
+        places = ((-0.2, 0.0, -0.6), (0.1, 0.1, 0.6))
+        pictures = []
+        for shared in (False, True):
+            scene = Scene((64, 64))
+            mapper = None
+            for place in places:
+                volume, mapper = scene.add_volume(data, prop, mapper if shared else None)
+                volume.SetPosition(place)
+            scene.look(half=1.0)
+            scene.window.Render()
+            pictures.append(scene.pixels())
+        self.assertGreater(pictures[0].max(), 0.3)
+        self.assertEqual(np.abs(pictures[0] - pictures[1]).max(), 0.0)
+
     def test_hiding_one_volume_shows_the_other_alone(self):
         for hidden in (0, 1):
             scene = Scene((64, 64))
@@ -247,6 +263,24 @@ class Renderer(unittest.TestCase):
         self.assertEqual((messages.errors, messages.warnings), ([], []))
         self.assertEqual(float_image(mapper).max(), 0.0)
         self.assertEqual(mapper.GetNumberOfSamples(), 0)
+
+    def test_a_volume_nearer_than_the_near_plane_is_not_drawn(self):
+        for parallel in (True, False):
+            for geometry in (False, True):
+                with self.subTest(parallel=parallel, geometry=geometry):
+                    scene = Scene((40, 40))
+                    _, mapper = scene.add_volume(cube(ball(16)))
+                    messages = Messages(mapper)
+                    scene.renderer.GetCullers().RemoveAllItems()  # else the mapper is not asked
+                    if geometry:
+                        scene.renderer.AddActor(square(0.5, -2.0))
+                    scene.look(half=1.0, parallel=parallel)
+                    camera = scene.renderer.GetActiveCamera()
+                    camera.SetClippingRange(camera.GetDistance() + 1.0, camera.GetDistance() + 4.0)
+                    pixels = scene.pixels()
+                    self.assertEqual((messages.errors, messages.warnings), ([], []))
+                    self.assertGreater(mapper.GetSecondsTotal(), 0.0)
+                    self.assertEqual(pixels[20, 20, 0], 1.0 if geometry else 0.0)
 
     def test_a_selection_finds_the_actor_behind_the_volume(self):
         scene = Scene((64, 64))
