@@ -54,5 +54,15 @@ if (CHIAROSCURO_BUILD_PYTHON)
 endif ()
 
 if (CHIAROSCURO_BUILD_PARAVIEW)
-  add_subdirectory(ParaViewPlugin)
+  paraview_plugin_scan(
+    PLUGIN_FILES "${CMAKE_CURRENT_SOURCE_DIR}/ParaViewPlugin/paraview.plugin"
+    PROVIDES_PLUGINS chiaroscuro_plugins
+    REQUIRES_MODULES chiaroscuro_plugin_modules
+    ENABLE_BY_DEFAULT ON)
+  paraview_plugin_build(
+    PLUGINS ${chiaroscuro_plugins}
+    PLUGINS_FILE_NAME "chiaroscuro.xml"
+    RUNTIME_DESTINATION "${CMAKE_INSTALL_BINDIR}"
+    LIBRARY_DESTINATION "${CMAKE_INSTALL_LIBDIR}"
+    LIBRARY_SUBDIRECTORY "paraview-5.11/plugins")
 endif ()

@@ -313,11 +313,11 @@ int vtkChiStreamTubes::RequestData(vtkInformation* vtkNotUsed(request),
   params.min_length = this->MinimumLength;
   params.clip_box = this->UseClipBox ? this->ClipBox : nullptr;
   int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
+  const bool wantsArray =
+    this->UseRadiusArray && this->GetInformation()->Has(vtkAlgorithm::INPUT_ARRAYS_TO_PROCESS());
   vtkDataArray* const radiusArray =
-    this->GetInformation()->Has(vtkAlgorithm::INPUT_ARRAYS_TO_PROCESS())
-    ? this->GetInputArrayToProcess(0, input, association)
-    : nullptr;
-  if (this->GetInformation()->Has(vtkAlgorithm::INPUT_ARRAYS_TO_PROCESS()) && !radiusArray)
+    wantsArray ? this->GetInputArrayToProcess(0, input, association) : nullptr;
+  if (wantsArray && !radiusArray)
   {
     vtkErrorMacro("the radius array chosen by SetInputArrayToProcess is not in the input");
     return 0;
@@ -493,6 +493,7 @@ void vtkChiStreamTubes::PrintSelf(ostream& os, vtkIndent indent)
      << (this->ToleranceIsRelative ? " (relative)\n" : "\n");
   os << indent << "SplineFitting: " << this->SplineFitting << "\n";
   os << indent << "Radius: " << this->Radius << (this->RadiusIsRelative ? " (relative)\n" : "\n");
+  os << indent << "UseRadiusArray: " << this->UseRadiusArray << "\n";
   os << indent << "NumberOfSides: " << this->NumberOfSides << "\n";
   os << indent << "AngularTolerance: " << this->AngularTolerance << "\n";
   os << indent << "AttributeTolerance: " << this->AttributeTolerance << "\n";

@@ -73,6 +73,9 @@ public:
   vtkSetMacro(RadiusIsRelative, bool);
   vtkGetMacro(RadiusIsRelative, bool);
   vtkBooleanMacro(RadiusIsRelative, bool);
+  vtkSetMacro(UseRadiusArray, bool);
+  vtkGetMacro(UseRadiusArray, bool);
+  vtkBooleanMacro(UseRadiusArray, bool);
   ///@}
 
   ///@{
@@ -243,6 +246,7 @@ private:
   bool SplineFitting = true;
   double Radius = 0.004;
   bool RadiusIsRelative = true;
+  bool UseRadiusArray = true;
   int NumberOfSides = 12;
   double AngularTolerance = 10;
   double AttributeTolerance = 1e-3;
