@@ -104,7 +104,7 @@ static inline double chi_scene_depth(const chi_scene* scene, double slabs)
 /* Stage 4: geometry as blocker: the slabs that a pixel's surface closes. */
 chi_status chi_surface_intervals(const chi_exec* exec, const chi_scene* scene,
   const chi_surface_view* surface, double thickness, size_t stride, size_t padded,
-  float* slice_depth, float* begin, float* end);
+  float* slice_depth, float* receiver, float* begin, float* end);
 
 /* Light that travels for one kind of receiver. */
 typedef struct chi_light_field

@@ -158,6 +158,7 @@ static void run_task(march* m, int64_t block, int band)
     seconds[0] += t1 - t0;
     if (!m->fields)
     {
+      chi_march_read_probes(m, slab, row0, row1);
       continue;
     }
     const int64_t rows[2] = { row0, row1 };
@@ -267,8 +268,8 @@ chi_status chi_march_run(const chi_exec* exec, chi_march* keep, const chi_scene*
   if (status == CHI_OK && frame->surface)
   {
     status = chi_surface_intervals(exec, scene, frame->surface, frame->params->geometry_thickness,
-      PICTURE_PLANES * m.stride, m.stride, picture(&m, SURFACE, 0), picture(&m, BLOCK_BEGIN, 0),
-      picture(&m, BLOCK_END, 0));
+      PICTURE_PLANES * m.stride, m.stride, picture(&m, SURFACE, 0), picture(&m, RECEIVER, 0),
+      picture(&m, BLOCK_BEGIN, 0), picture(&m, BLOCK_END, 0));
     if (status == CHI_OK)
     {
       status = chi_for(exec, (size_t)scene->light_height, chi_march_gather_ranges, &m);

@@ -31,6 +31,7 @@ enum
   ENTER,
   LEAVE,
   SURFACE,
+  RECEIVER, /* depth from which the surface's bias counts */
   BLOCK_BEGIN,
   BLOCK_END,
   SURFACE_VISIBILITY,

@@ -30,7 +30,7 @@ void chi_march_gather_ranges(void* data, size_t begin, size_t end)
         const int64_t x0 = (int64_t)segment * CHI_SEGMENT * s->scale;
         for (int64_t x = x0; x < x0 + CHI_SEGMENT * s->scale && x < s->width; ++x)
         {
-          const float depth = picture(m, SURFACE, y)[x];
+          const float depth = picture(m, RECEIVER, y)[x];
           if (depth < INFINITY)
           {
             const float step = (float)(floor(chi_march_receiver_plane(s, (double)depth)) + 2);
@@ -146,7 +146,7 @@ static double to_light(const chi_scene* s, double pixel)
 static void light_surface(const march* m, int64_t y, int64_t x)
 {
   const chi_scene* const s = m->scene;
-  const double plane = chi_march_receiver_plane(s, (double)picture(m, SURFACE, y)[x]);
+  const double plane = chi_march_receiver_plane(s, (double)picture(m, RECEIVER, y)[x]);
   const double v = visibility_at(m, &m->keep->field[m->surface_field], plane,
     to_light(s, (double)x + 0.5), to_light(s, (double)y + 0.5));
   picture(m, SURFACE_VISIBILITY, y)[x] = (float)(1 - (double)m->strength * (1 - v));
@@ -166,7 +166,7 @@ void chi_march_light_surfaces(const march* m, int64_t step, int64_t by)
     const int64_t x0 = (int64_t)segment * CHI_SEGMENT * s->scale;
     for (int64_t y = by * s->scale; y < (by + 1) * s->scale && y < s->height; ++y)
     {
-      const float* const depth = picture(m, SURFACE, y);
+      const float* const depth = picture(m, RECEIVER, y);
       for (int64_t x = x0; x < x0 + CHI_SEGMENT * s->scale && x < s->width; ++x)
       {
         if (depth[x] < INFINITY &&
@@ -215,7 +215,7 @@ void chi_march_light_rest(void* data, size_t begin, size_t end)
   const chi_scene* const s = m->scene;
   for (size_t y = begin; y < end && !chi_is_cancelled(m->exec); ++y)
   {
-    const float* const depth = picture(m, SURFACE, (int64_t)y);
+    const float* const depth = picture(m, RECEIVER, (int64_t)y);
     for (int64_t x = 0; x < s->width; ++x)
     {
       if (depth[x] < INFINITY &&

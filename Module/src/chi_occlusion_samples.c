@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Visibility of a run of pixels in the middle of a segment, or NULL where all of it is 1. */
+/* Visibility of a run of pixels at a slice, or NULL where all of it is 1. */
 static const float* run_visibility(
   const march* m, int64_t slab, double slices, int64_t y, int x_begin, int x_end)
 {
@@ -142,7 +142,9 @@ void chi_march_sample_row(
       row->leave = picture(m, LEAVE, y);
       row->surface = m->frame->surface ? picture(m, SURFACE, y) : NULL;
       row->saturated_too = light;
-      row->visibility = live[cx] ? run_visibility(m, slab, (double)segment + 0.5, y, x0, x1) : NULL;
+      /* A steep step may begin at the near slice: read from the middle, the bias would shrink by
+       * half a slice there and leave a saw-tooth of light. */
+      row->visibility = live[cx] ? run_visibility(m, slab, (double)segment, y, x0, x1) : NULL;
       row->any_tau = 0;
       m->kernels->sample(row, x0, x1);
       if (row->any_tau)

@@ -150,11 +150,21 @@ chi_status chi_scene_build(
   {
     near = far = surface_near;
   }
+  if (!(near < INFINITY)) /* neither a sample nor a surface in view */
+  {
+    scene->slabs = scene->volume_begin = scene->volume_end = 0;
+    return CHI_OK;
+  }
   /* Light slabs without samples reach out to the geometry, by no more than the volume's own depth
-   * (or 1024 slabs): beyond, geometry in front blocks at the first slab, geometry behind reads each
-   * direction at its remaining offset. */
+   * or the depth over which light crosses the picture sideways (or 1024 slabs): beyond, geometry in
+   * front blocks at the first slab, geometry behind reads each direction at its remaining offset.
+   */
+  const double wide =
+    (scene->light_width > scene->light_height ? scene->light_width : scene->light_height) /
+    fmin(fabs(scene->pixels_x), fabs(scene->pixels_y)) * (scene->parallel ? 1 : near);
   const double extent =
-    has_samples && far - near < 1024 * scene->slab ? far - near : 1024 * scene->slab;
+    fmin(fmax(has_samples ? far - near : 0, wide / fmin(tan(params->cone_angle_rad), 1)),
+      1024 * scene->slab);
   double front = 0, back = 0;
   if (surface_near < INFINITY)
   {

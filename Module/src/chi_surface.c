@@ -12,6 +12,7 @@ typedef struct interval_job
   double thickness;      /* slabs */
   size_t stride, padded; /* floats from row to row; floats a row that are written */
   float* slice_depth;
+  float* receiver;
   float* begin;
   float* end;
 } interval_job;
@@ -63,6 +64,28 @@ static void widen(const interval_job* it, int64_t x, int64_t y, double depth, do
   }
 }
 
+/*
+ * Depth from which the bias counts. Light pixels beside this one, through which its light comes,
+ * close from the depth that a tilted surface has there; they are read bilinearly, and shifted so in
+ * every slab. So the surface is taken as far nearer to the eye as it rises over 1.5 light pixels.
+ */
+static double receiving_depth(const interval_job* it, int64_t x, int64_t y, double depth)
+{
+  double rise[2] = { 0, 0 };
+  for (int k = 0; k < 4; ++k)
+  {
+    const int sign = k & 1 ? -1 : 1, dx = k & 2 ? 0 : sign, dy = k & 2 ? sign : 0;
+    const double next = depth_at(it, x + dx, y + dy);
+    if (next < depth - rise[k >> 1] &&
+      is_continuous(
+        depth_at(it, x - dx, y - dy), depth, next, depth_at(it, x + 2 * dx, y + 2 * dy)))
+    {
+      rise[k >> 1] = depth - next;
+    }
+  }
+  return depth - 1.5 * it->scene->scale * (rise[0] + rise[1]);
+}
+
 static void row_intervals(void* data, size_t first, size_t last)
 {
   const interval_job* const it = (const interval_job*)data;
@@ -74,9 +97,10 @@ static void row_intervals(void* data, size_t first, size_t last)
       const size_t at = y * it->stride + (size_t)x;
       const double depth = depth_at(it, x, (int64_t)y);
       it->slice_depth[at] = (float)(depth * (double)s->group);
-      it->begin[at] = it->end[at] = INFINITY;
+      it->receiver[at] = it->begin[at] = it->end[at] = INFINITY;
       if (depth < INFINITY)
       {
+        it->receiver[at] = (float)(receiving_depth(it, x, (int64_t)y, depth) * (double)s->group);
         /* Two pixels of one steep surface lie slabs apart: each closes the way to the deeper one,
          * and, where they share a light pixel, from the nearer one, so that their mean closes all
          * of it. */
@@ -92,6 +116,7 @@ static void row_intervals(void* data, size_t first, size_t last)
     for (size_t x = (size_t)s->width; x < it->padded; ++x)
     {
       it->slice_depth[y * it->stride + x] = INFINITY;
+      it->receiver[y * it->stride + x] = INFINITY;
       it->begin[y * it->stride + x] = it->end[y * it->stride + x] = INFINITY;
     }
   }
@@ -99,9 +124,9 @@ static void row_intervals(void* data, size_t first, size_t last)
 
 chi_status chi_surface_intervals(const chi_exec* exec, const chi_scene* scene,
   const chi_surface_view* surface, double thickness, size_t stride, size_t padded,
-  float* slice_depth, float* begin, float* end)
+  float* slice_depth, float* receiver, float* begin, float* end)
 {
   interval_job job = { exec, scene, surface, thickness / scene->slab, stride, padded, slice_depth,
-    begin, end };
+    receiver, begin, end };
   return chi_for(exec, (size_t)scene->height, row_intervals, &job);
 }

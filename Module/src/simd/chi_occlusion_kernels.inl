@@ -191,8 +191,8 @@ CHI_INLINE void sample_run(
     const vf change = t - t0;
     const vi steep = ((change > 1.0f) | (change < -1.0f)) & known;
     const vf local = sigma0 + (2.0f * f - change) * half_slope;
-    const vf integral =
-      vi_float(sum - vi_load(row->sum + x)) * s->quantum + (rest - vf_load(row->rest + x));
+    const vf integral = vi_float((vi)((vu)sum - (vu)vi_load(row->sum + x))) * s->quantum +
+      (rest - vf_load(row->rest + x));
     vf sigma = vf_select(steep, integral / vf_select(steep, change, vf_set(1.0f)), local);
     /* A ray that begins here has no scalar before; elsewhere an unsampled neighbour was
      * transparent, and its brick's margin covers this segment. */
