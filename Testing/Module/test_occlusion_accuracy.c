@@ -346,7 +346,8 @@ static void thin_slices_lose_no_light(void)
   free(f);
 }
 
-/* With an argument: also what is asked and not met yet. */
+/* With an argument the asked limit holds for balls in perspective at half size too: 0.023, of which
+ * the engine misses 0.0025. */
 int main(int argc, char** argv)
 {
   (void)argv;
