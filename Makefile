@@ -40,7 +40,7 @@ demo: build data
 	@mkdir -p build/demo
 	PYTHONPATH=$(SITE) $(DISPLAYED) $(PYTHON) Examples/Python/demo.py build/data build/demo
 
-test: build sanitize
+test: build sanitize data
 	cd build/sanitize && $(CTEST)
 	cd $(BUILD) && $(DISPLAYED) $(CTEST)
 

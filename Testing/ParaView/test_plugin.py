@@ -8,8 +8,10 @@ from paraview.simple import Gradient, LoadPlugin, StreamTracer, Wavelet
 
 LoadPlugin(sys.argv[1], remote=False, ns=globals())
 gradient = Gradient(Input=Wavelet(), ScalarArray=["POINTS", "RTData"])
+gradient.UpdatePipeline()  # the tracer places its seeds by what is known of its input
 tracer = StreamTracer(Input=gradient, SeedType="Point Cloud")
 tracer.Vectors = ["POINTS", "Gradient"]
+tracer.MaximumStreamlineLength = 3.0
 tracer.UpdatePipeline()
 assert tracer.GetDataInformation().GetNumberOfCells() > 0
 tubes = StreamTubesChiaroscuro(Input=tracer)  # noqa: F821 (comes with the plugin)
