@@ -414,9 +414,13 @@ int vtkChiStreamTubes::RequestData(vtkInformation* vtkNotUsed(request),
   offsets->SetNumberOfTuples(static_cast<vtkIdType>(r.Sizes.cells) + 1);
   vtkNew<vtkTypeInt64Array> connectivity;
   connectivity->SetNumberOfTuples(static_cast<vtkIdType>(r.Sizes.connectivity));
+  // Without a fit and without losses the curves are the input's own lines: nothing to copy.
+  const bool sameCurves = !this->SplineFitting && this->NumberOfRemovedPoints == 0 &&
+    r.Sizes.curves == static_cast<size_t>(input->GetNumberOfLines()) &&
+    input->GetNumberOfCells() == input->GetNumberOfLines();
   vtkNew<vtkPoints> curvePoints;
   curvePoints->SetDataType(VTK_DOUBLE);
-  curvePoints->SetNumberOfPoints(static_cast<vtkIdType>(r.Sizes.curve_points));
+  curvePoints->SetNumberOfPoints(sameCurves ? 0 : static_cast<vtkIdType>(r.Sizes.curve_points));
   vtkNew<vtkTypeInt64Array> curveOffsets;
   curveOffsets->SetNumberOfTuples(static_cast<vtkIdType>(r.Sizes.curves) + 1);
   std::vector<int64_t> lineIds(r.Sizes.cells), curveIds(r.Sizes.curves);
@@ -433,12 +437,13 @@ int vtkChiStreamTubes::RequestData(vtkInformation* vtkNotUsed(request),
   outputs.line_ids = lineIds.data();
   outputs.offsets = reinterpret_cast<int64_t*>(offsets->GetPointer(0));
   outputs.connectivity = reinterpret_cast<int64_t*>(connectivity->GetPointer(0));
-  outputs.curve_points = static_cast<double*>(curvePoints->GetVoidPointer(0));
+  outputs.curve_points =
+    sameCurves ? nullptr : static_cast<double*>(curvePoints->GetVoidPointer(0));
   outputs.curve_offsets = reinterpret_cast<int64_t*>(curveOffsets->GetPointer(0));
   outputs.curve_line_ids = curveIds.data();
   chi_status status = chi_tube_sweep(r.Exec, r.Tube, &outputs);
   status = status == CHI_OK ? CarryPointData(r, CHI_TUBE_SURFACE, r.Output) : status;
-  status = status == CHI_OK ? CarryPointData(r, CHI_TUBE_CURVES, r.Curves) : status;
+  status = status == CHI_OK && !sameCurves ? CarryPointData(r, CHI_TUBE_CURVES, r.Curves) : status;
   if (status != CHI_OK)
   {
     r.Output->Initialize();
@@ -471,16 +476,25 @@ int vtkChiStreamTubes::RequestData(vtkInformation* vtkNotUsed(request),
   }
   CarryCellData(r, r.Output, lineIds);
 
-  vtkNew<vtkTypeInt64Array> curveConnectivity;
-  curveConnectivity->SetNumberOfTuples(curvePoints->GetNumberOfPoints());
-  for (vtkIdType i = 0; i < curvePoints->GetNumberOfPoints(); ++i)
+  if (sameCurves)
   {
-    curveConnectivity->SetValue(i, i);
+    r.Curves->SetPoints(input->GetPoints());
+    r.Curves->SetLines(input->GetLines());
+    r.Curves->GetPointData()->PassData(input->GetPointData());
   }
-  vtkNew<vtkCellArray> curveCells;
-  curveCells->SetData(curveOffsets, curveConnectivity);
-  r.Curves->SetPoints(curvePoints);
-  r.Curves->SetLines(curveCells);
+  else
+  {
+    vtkNew<vtkTypeInt64Array> curveConnectivity;
+    curveConnectivity->SetNumberOfTuples(curvePoints->GetNumberOfPoints());
+    for (vtkIdType i = 0; i < curvePoints->GetNumberOfPoints(); ++i)
+    {
+      curveConnectivity->SetValue(i, i);
+    }
+    vtkNew<vtkCellArray> curveCells;
+    curveCells->SetData(curveOffsets, curveConnectivity);
+    r.Curves->SetPoints(curvePoints);
+    r.Curves->SetLines(curveCells);
+  }
   CarryCellData(r, r.Curves, curveIds);
   return 1;
 }

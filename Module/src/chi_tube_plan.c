@@ -34,6 +34,7 @@ typedef struct plan_job
   const chi_exec* exec;
   chi_tube* tube;
   const chi_tube_params* params;
+  double turn_scale;             /* 1 / chord of the angular tolerance */
   const double* attribute_scale; /* [attribute_count] 1 / (tolerance * range); 0: constant array */
   size_t* clamped;               /* [lines] */
   size_t* dropped;               /* [lines] */
@@ -193,7 +194,7 @@ static size_t pieces_of(const plan_job* job, const chi_spline_curve* c, double a
   off = sqrt(chi_dot(chord, chord));
   for (int k = 0; k < 2; ++k)
   {
-    turn += acos(fmin(fmax(chi_dot(x[k][1], x[k + 1][1]), -1), 1));
+    turn += acos(fmin(fmax(chi_dot(x[k][1], x[k + 1][1]), -1), 1)); /* once a span */
   }
   const double by_turn = 2 * turn / job->params->angular_tolerance_rad;
   const double by_chord = 2 * sqrt(off / job->params->chord_tolerance);
@@ -263,6 +264,14 @@ static double attribute_of(const plan_job* job, size_t line, const chi_spline_cu
   return first + at->weight * (second - first);
 }
 
+/* Turn between two unit vectors in units of the angular tolerance, by their chord: exactly 1 where
+ * the turn is the tolerance, and without an arc cosine a candidate. */
+static double turn_of(const plan_job* job, const double a[3], const double b[3])
+{
+  const double d[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
+  return sqrt(chi_dot(d, d)) * job->turn_scale;
+}
+
 /* By how many times the tolerances a candidate would be missed if only i and j stayed. */
 static double need_of(const plan_job* job, size_t line, const chi_spline_curve* c,
   const candidate* i, const candidate* k, const candidate* j)
@@ -280,8 +289,7 @@ static double need_of(const plan_job* job, size_t line, const chi_spline_curve* 
     square += off * off;
   }
   double need = sqrt(square) / job->params->chord_tolerance;
-  const double turn = acos(fmin(fmax(chi_dot(i->tangent, k->tangent), -1), 1));
-  need = fmax(need, turn / job->params->angular_tolerance_rad);
+  need = fmax(need, turn_of(job, i->tangent, k->tangent));
   const double radius =
     (double)i->ring.radius + w * ((double)j->ring.radius - (double)i->ring.radius);
   need = fmax(need, fabs(radius - (double)k->ring.radius) / job->params->chord_tolerance);
@@ -316,9 +324,7 @@ static void thin(const plan_job* job, size_t line, const chi_spline_curve* c, ca
     }
     double worst = 1;
     size_t split = 0;
-    const double turn =
-      acos(fmin(fmax(chi_dot(list->item[i].tangent, list->item[j].before), -1), 1));
-    if (j > i + 1 && turn > job->params->angular_tolerance_rad)
+    if (j > i + 1 && turn_of(job, list->item[i].tangent, list->item[j].before) > 1)
     {
       split = i + (j - i) / 2;
     }
@@ -700,6 +706,7 @@ chi_status chi_tube_plan(const chi_exec* exec, chi_tube* t, const chi_spline* sp
   chi_tube_params used = *params;
   used.attribute_count = arrays;
   plan_job job = { .exec = exec, .tube = t, .params = &used };
+  job.turn_scale = 0.5 / sin(0.5 * fmin(params->angular_tolerance_rad, 3.14));
   chi_status status = scratch ? reserve_lines(exec, t, n) : CHI_ERROR_OUT_OF_MEMORY;
   if (status == CHI_OK)
   {

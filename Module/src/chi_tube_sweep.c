@@ -137,7 +137,7 @@ static void bend_normal(
 
 /* Everything about a ring but its normal. */
 static void place_station(const chi_spline_curve* c, const chi_tube_ring* ring, size_t k,
-  int direct, station* s, double before[3], double after[3])
+  int direct, const double* known_before, station* s, double before[3], double after[3])
 {
   s->radius = (double)ring->radius;
   s->widening = 0;
@@ -151,10 +151,13 @@ static void place_station(const chi_spline_curve* c, const chi_tube_ring* ring, 
     for (int a = 0; a < 3; ++a)
     {
       s->x[a] = x[a];
-      before[a] = last ? x[a] - last[a] : next[a] - x[a];
+      before[a] = known_before ? known_before[a] : last ? x[a] - last[a] : next[a] - x[a];
       after[a] = next ? next[a] - x[a] : before[a];
     }
-    chi_normalise(before);
+    if (!known_before)
+    {
+      chi_normalise(before);
+    }
     chi_normalise(after);
   }
   else
@@ -200,6 +203,8 @@ typedef struct walker
   const chi_tube_ring* ring;
   size_t rings, next, point;
   int direct;
+  int has_after; /* the last ring's direction onwards is the next one's direction before */
+  double after[3];
   station now;
 } walker;
 
@@ -220,7 +225,10 @@ static void walk(walker* w)
   double before[3], after[3];
   const chi_tube_ring* const ring = &w->ring[w->next];
   w->point += w->next > 0 && ring->side <= 0; /* both rings of a corner belong to one point */
-  place_station(&w->curve, ring, w->point, w->direct, &to, before, after);
+  place_station(
+    &w->curve, ring, w->point, w->direct, w->has_after ? w->after : NULL, &to, before, after);
+  w->has_after = w->direct;
+  memcpy(w->after, after, sizeof after);
   if (w->next == 0)
   {
     any_normal(to.tangent, to.normal);
@@ -285,7 +293,7 @@ static void store_ring(
   const float* const circle = job->circle;
   double center[3];
   float n[3], b[3], nr[3], br[3], ts[3];
-  const double unit = 1 / sqrt(1 + slope * slope);
+  const double unit = slope != 0 ? 1 / sqrt(1 + slope * slope) : 1;
   const double ne = s->widening * chi_dot(s->normal, s->stretch);
   const double be = s->widening * chi_dot(s->binormal, s->stretch);
   for (int k = 0; k < 3; ++k)
@@ -430,7 +438,7 @@ static void sweep_vertices(const sweep_job* job, size_t i)
   const chi_tube_line* const line = &t->line[i];
   const size_t n = (size_t)t->sides;
   walker w;
-  double length = 0, turn = 0, distance = 0;
+  double length = 0, turn = 0, distance = 0, behind = 0;
   start_walk(&w, t, i);
   const int closed = w.curve.closed;
   if (closed || (job->out->tcoords && !(job->out->tcoord_length > 0)))
@@ -452,7 +460,6 @@ static void sweep_vertices(const sweep_job* job, size_t i)
       walk(&w);
       next = w.now;
     }
-    const double behind = k > 0 ? chi_distance(last.x, now.x) : 0;
     const double ahead = more ? chi_distance(now.x, next.x) : 0;
     distance += behind;
     const double before = k > 0 ? last.radius : now.radius;
@@ -473,6 +480,7 @@ static void sweep_vertices(const sweep_job* job, size_t i)
     }
     last = now;
     now = next;
+    behind = ahead;
   }
 }
 
