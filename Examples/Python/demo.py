@@ -6,7 +6,8 @@ import time
 
 from PIL import Image
 
-from brain_with_fibres import save, scene
+from brain_with_fibres import scene
+from save_picture import save
 
 CAPTION = """Half of a brain (MRI, ch2better) with the left arcuate fasciculus (orange), the forceps major (blue)
 and the fornix (purple) of two other people, placed in it by a rigid motion in MNI space: where a fibre
