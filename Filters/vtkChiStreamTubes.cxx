@@ -4,6 +4,7 @@
 
 #include "vtkCellData.h"
 #include "vtkChiExec.h"
+#include "vtkChiPages.h"
 #include "vtkChiViews.h"
 #include "vtkDataArray.h"
 #include "vtkFloatArray.h"
@@ -424,6 +425,12 @@ int vtkChiStreamTubes::RequestData(vtkInformation* vtkNotUsed(request),
   vtkNew<vtkTypeInt64Array> curveOffsets;
   curveOffsets->SetNumberOfTuples(static_cast<vtkIdType>(r.Sizes.curves) + 1);
   std::vector<int64_t> lineIds(r.Sizes.cells), curveIds(r.Sizes.curves);
+
+  for (vtkDataArray* array : { points->GetData(), static_cast<vtkDataArray*>(normals),
+         static_cast<vtkDataArray*>(parameter), static_cast<vtkDataArray*>(connectivity) })
+  {
+    vtkChiAdvisePages(array);
+  }
 
   // 4. Sweep and carry.
   chi_tube_outputs outputs = {};
