@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkChiVolumeInput.h"
+#include "vtkChiViews.h"
 
 #include "vtkAbstractMapper.h"
 #include "vtkAbstractVolumeMapper.h"
@@ -27,44 +28,6 @@ namespace
 std::uint64_t bits(const void* pointer)
 {
   return static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(pointer));
-}
-
-// The core's type of a VTK scalar type; 0 where there is none.
-chi_type coreType(int type)
-{
-  switch (type)
-  {
-    case VTK_CHAR:
-      return VTK_TYPE_CHAR_IS_SIGNED ? CHI_I8 : CHI_U8;
-    case VTK_SIGNED_CHAR:
-      return CHI_I8;
-    case VTK_UNSIGNED_CHAR:
-      return CHI_U8;
-    case VTK_SHORT:
-      return CHI_I16;
-    case VTK_UNSIGNED_SHORT:
-      return CHI_U16;
-    case VTK_INT:
-      return CHI_I32;
-    case VTK_UNSIGNED_INT:
-      return CHI_U32;
-    case VTK_LONG:
-      return sizeof(long) == 8 ? CHI_I64 : CHI_I32;
-    case VTK_UNSIGNED_LONG:
-      return sizeof(long) == 8 ? CHI_U64 : CHI_U32;
-    case VTK_LONG_LONG:
-      return CHI_I64;
-    case VTK_UNSIGNED_LONG_LONG:
-      return CHI_U64;
-    case VTK_ID_TYPE:
-      return sizeof(vtkIdType) == 8 ? CHI_I64 : CHI_I32;
-    case VTK_FLOAT:
-      return CHI_F32;
-    case VTK_DOUBLE:
-      return CHI_F64;
-    default:
-      return 0;
-  }
 }
 
 std::string describe(vtkDataArray* array)
@@ -228,7 +191,7 @@ bool vtkChiVolumeInput::CollectSamples(
     this->SamplesKey = key;
     ++this->Volume.version;
   }
-  this->Volume.type = coreType(this->Samples->GetDataType());
+  this->Volume.type = vtkChiType(this->Samples->GetDataType());
   if (this->Volume.type == 0)
   {
     this->Problem = describe(scalars) + " has a type that cannot be drawn";

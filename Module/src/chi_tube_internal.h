@@ -50,6 +50,9 @@ static inline size_t chi_tube_cap_points(const chi_tube* t)
                                      : 0;
 }
 
+/* Strips or triangles of one line; chi_tube_cells.c. */
+void chi_tube_write_cells(const chi_tube* tube, const chi_tube_outputs* outputs, size_t line);
+
 /* Where a curve parameter lies among the cleaned input points: between i and i + 1, at `weight`. */
 static inline size_t chi_tube_source(
   const chi_spline_curve* c, double u, size_t hint, double* weight)
