@@ -1,0 +1,44 @@
+# SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Run every benchmark that was built: run.py BUILD DATA OUT
+
+Writes OUT/<topic>.csv, the rows of bench_<topic> and bench_<topic>_vtk together, and OUT/<topic>.png.
+"""
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from plot import plot
+
+HEADER = "topic,case,method,parameter,n,threads,min_ns,error,error_kind"
+HERE = Path(__file__).resolve().parent
+
+
+def main():
+    build, data, out = (Path(p).resolve() for p in sys.argv[1:4])
+    brain = out / "brain128.raw"
+    if not brain.exists():
+        subprocess.run([sys.executable, HERE / "scenes.py", data / "ch2bet.nii.gz", brain], check=True)
+    rows, failed = {}, []
+    for program in sorted((build / "bin").glob("bench_*")):
+        topic = program.name[len("bench_"):].removesuffix("_vtk")
+        start = time.perf_counter()
+        result = subprocess.run([program] + ([brain] if program.name == "bench_occlusion" else []),
+                                stdout=subprocess.PIPE, text=True)
+        print(f"{program.name}: {time.perf_counter() - start:.0f} s", flush=True)
+        if result.returncode != 0:
+            failed.append(program.name)
+        lines = [line for line in result.stdout.splitlines() if line.count(",") == HEADER.count(",")]
+        rows.setdefault(topic, []).extend(line for line in lines if line != HEADER)
+    for topic, lines in rows.items():
+        table = out / f"{topic}.csv"
+        table.write_text("\n".join([HEADER] + lines) + "\n")
+        plot(table, out / f"{topic}.png")
+        print(f"{table}: {len(lines)} rows; {topic}.png")
+    if failed:
+        sys.exit("failed: " + ", ".join(failed))
+
+
+if __name__ == "__main__":
+    main()
