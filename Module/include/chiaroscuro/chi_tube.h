@@ -117,7 +117,7 @@ CHI_API void chi_tube_destroy(const chi_exec* exec, chi_tube* tube);
  * Precision    double; tolerances are the caller's, in length units.
  * Determinism  same bits for any number of threads and any parallel_for.
  * Cost         O(candidate rings log rings) a line.
- * Source       Schott et al. 2013, section 4; Douglas & Peucker 1973 for the choice of rings.
+ * Source       Schott et al. 2013, section 4.
  */
 CHI_API CHI_NODISCARD chi_status chi_tube_plan(const chi_exec* exec, chi_tube* tube,
   const chi_spline* spline, const chi_lines_view* lines, const chi_tube_params* params);
