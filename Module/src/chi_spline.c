@@ -6,6 +6,7 @@
 
 #include "chi_spline_fit.h"
 
+#include <stdatomic.h>
 #include <string.h>
 
 /* Lines that one call of a parallel body takes; fixed, so that scratch and rounding do not depend
@@ -109,7 +110,7 @@ typedef struct fit_job
   chi_spline* spline;
   const chi_lines_view* lines;
   const chi_spline_params* params;
-  int refused; /* only ever set to 1, from any thread */
+  atomic_int refused;
 } fit_job;
 
 static int64_t point_id(const chi_lines_view* lines, int64_t at)
@@ -129,6 +130,8 @@ static void clean_line(const fit_job* job, size_t i)
   size_t count = 0;
   double length = 0;
   int64_t first = -1, last = -1;
+  int tail = 0; /* the last point so far was merged into the one before it */
+  double end_point[3] = { 0, 0, 0 };
   for (int64_t k = begin; k < end; ++k)
   {
     double x[3];
@@ -149,8 +152,10 @@ static void clean_line(const fit_job* job, size_t i)
       x[c] -= line->curve.origin[c];
     }
     const double step = count ? chi_distance(x, position + 3 * (count - 1)) : 0;
+    tail = count && !(step > job->params->merge_distance && step > 0) && step > 0;
     if (count && !(step > job->params->merge_distance && step > 0))
     {
+      memcpy(end_point, x, sizeof x);
       ++line->repeated;
       continue;
     }
@@ -158,6 +163,15 @@ static void clean_line(const fit_job* job, size_t i)
     memcpy(position + 3 * count, x, sizeof x);
     parameter[count] = length;
     index[count++] = k - begin;
+  }
+  /* The end stays where it is: a last point that was too near takes the place of the one before. */
+  if (tail && count > 1)
+  {
+    length -= chi_distance(position + 3 * (count - 1), position + 3 * (count - 2));
+    length += chi_distance(end_point, position + 3 * (count - 2));
+    memcpy(position + 3 * (count - 1), end_point, sizeof end_point);
+    parameter[count - 1] = length;
+    index[count - 1] = last - begin;
   }
   line->curve.length = length;
   line->curve.point_count = count;

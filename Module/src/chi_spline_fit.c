@@ -574,7 +574,8 @@ void chi_spline_fit_line(chi_spline_line* line, const double* points, double* co
       is_straight(line, points, params->tolerance, &error)))
   {
     keep_chord(line, points, coefficients, knots);
-    line->point_error = line->curve.max_error = line->curve.point_count == 2 ? 0 : error;
+    line->point_error = line->curve.point_count == 2 ? 0 : error;
+    line->curve.max_error = line->point_error * (1 + 1e-12) + 1e-15 * line->curve.length;
     return;
   }
   candidate c;
@@ -618,4 +619,5 @@ void chi_spline_fit_line(chi_spline_line* line, const double* points, double* co
     accept(line, &c, coefficients, knots);
   }
   measure(line, points);
+  line->unconverged = !(line->point_error <= params->tolerance * (1 + 1e-12));
 }

@@ -5,6 +5,7 @@
 
 #include "chi_tube_internal.h"
 
+#include <stdatomic.h>
 #include <string.h>
 
 enum
@@ -40,7 +41,7 @@ typedef struct plan_job
   size_t* dropped;               /* [lines] */
   uint8_t* reason;               /* [lines] 1 outside, 2 short */
   int write;                     /* 0: count rings; 1: write them */
-  int refused, bad_radius;
+  atomic_int refused, bad_radius;
 } plan_job;
 
 static double value_at(const chi_array_view* a, size_t tuple, size_t component)
@@ -426,7 +427,10 @@ static void plan_points(plan_job* job, size_t i, const chi_spline_curve* c)
         const double radius =
           radius_at(job, i, c, k + 1 < c->count ? k : k - 1, k + 1 < c->count ? 0 : 1);
         ring[kept] = (chi_tube_ring){ c->point_parameters[k], (float)radius, side };
-        job->bad_radius |= !(radius >= 0) || !isfinite(radius);
+        if (!(radius >= 0) || !isfinite(radius))
+        {
+          job->bad_radius = 1;
+        }
       }
       ++kept;
       if (!sharp)

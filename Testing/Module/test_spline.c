@@ -335,6 +335,36 @@ static void degenerate_lines_are_counted_or_fitted(void)
   chi_spline_destroy(NULL, s);
 }
 
+static void merging_near_points_keeps_the_ends(void)
+{
+  /* the last points of both lines lie nearer to the ones before than merge_distance */
+  const double x[][3] = { { 0, 0, 0 }, { 1, 1, 0 }, { 2, 0, 0 }, { 3, 1, 0 }, { 3.001, 1, 0 },
+    { 0, 0, 5 }, { 2, 0, 5 }, { 2, 2, 5 }, { 0, 2, 5 }, { 0, 0.001, 5 }, { 0, 0, 5 } };
+  const int64_t offsets[] = { 0, 5, 11 };
+  double kept[11][3];
+  memcpy(kept, x, sizeof x);
+  const chi_lines_view view = { { x, 11, sizeof x[0], CHI_F64 }, offsets, NULL, 2 };
+  const chi_spline_params params = {
+    .struct_size = sizeof params, .tolerance = 1e-4, .merge_distance = 0.01
+  };
+  chi_spline* s = NULL;
+  CHECK(chi_spline_create(NULL, &s) == CHI_OK);
+  CHECK(chi_spline_fit(NULL, s, &view, &params) == CHI_OK);
+  chi_spline_curve c;
+  double p[1][3];
+  chi_spline_get_curve(s, 0, &c);
+  chi_spline_evaluate(&c, 1, 0, p);
+  CHECK(p[0][0] == 3.001 && p[0][1] == 1);
+  chi_spline_get_curve(s, 1, &c);
+  CHECK(c.closed == 1 && c.point_count == 5);
+  CHECK(c.point_indices[4] == 5);
+  chi_spline_stats t;
+  chi_spline_get_stats(s, &t);
+  CHECK(t.repeated_points == 2 && t.unconverged == 0);
+  CHECK(memcmp(x, kept, sizeof x) == 0); /* the input is as it was */
+  chi_spline_destroy(NULL, s);
+}
+
 static void unequal_segments_do_not_distort(void)
 {
   line l = make_line(41);
@@ -466,6 +496,7 @@ int main(void)
   a_closed_line_closes();
   scale_and_place_do_not_matter();
   degenerate_lines_are_counted_or_fitted();
+  merging_near_points_keeps_the_ends();
   unequal_segments_do_not_distort();
   schedules_strides_and_types_agree();
   bad_arguments_are_named();

@@ -22,8 +22,8 @@ typedef struct chi_spline_params
   int32_t max_halvings;   /**< of the data reduction; 0 = default (16), -1 = none */
   /** Points closer than this to the one before are dropped and counted; 0 = exact repeats only. */
   double merge_distance;
-  size_t coefficients; /**< CHI_SPLINE_LEAST_SQUARES of an open line: exactly so many (>= 4; at most one
-                            a point); 0 = by halving while the tolerance holds */
+  size_t coefficients; /**< CHI_SPLINE_LEAST_SQUARES of an open line: exactly so many (>= 4; at most
+                          one a point); 0 = by halving while the tolerance holds */
 } chi_spline_params;
 
 enum
@@ -82,14 +82,49 @@ typedef struct chi_spline_stats
   size_t unconverged;       /**< curves whose tolerance could not be met */
 } chi_spline_stats;
 
+/**
+ * A handle without curves.
+ *
+ * @param[in]  exec    host services, or NULL; alloc and release must serve the handle's whole life
+ * @param[out] spline  the handle; NULL unless CHI_OK
+ *
+ * @retval CHI_OK, CHI_ERROR_INVALID_ARGUMENT (null pointer), CHI_ERROR_OUT_OF_MEMORY
+ */
 CHI_API CHI_NODISCARD chi_status chi_spline_create(const chi_exec* exec, chi_spline** spline);
+/** NULL is accepted. */
 CHI_API void chi_spline_destroy(const chi_exec* exec, chi_spline* spline);
 
+/**
+ * One curve a line, within `tolerance` of every input point and without wiggles of its own.
+ *
+ * @param[in]     exec    host services, or NULL
+ * @param[in,out] spline  handle; its former curves are gone, whatever the result
+ * @param[in]     lines   [line_count] polylines of [points.count x 3] positions, length units; f32,
+ * f64
+ * @param[in]     params  borrowed for the call
+ *
+ * @retval CHI_OK                      every line has a curve or a reason; see chi_spline_get_stats
+ * @retval CHI_ERROR_INVALID_ARGUMENT  null pointer, invalid view, id out of range, tolerance or
+ *                                     merge_distance negative or not finite, unknown method
+ * @retval CHI_ERROR_OUT_OF_MEMORY     about 48 bytes a point (polyline) or 130 (fit) were refused
+ * @retval CHI_ERROR_TOO_LARGE         a size overflows
+ * @retval CHI_ERROR_CANCELLED         the handle holds no curves
+ *
+ * Precision    double, relative to each line's first point; parameters are chord length over
+ * length. Determinism  same bits for any number of threads and any parallel_for. Non-finite points
+ * that are NaN or infinite are dropped and counted. Cost         O(points x rounds) a level of
+ * halving; CHI_SPLINE_POLYLINE copies. Source       Schott et al. 2013, section 4.1; Lin, Bao &
+ * Wang, "Totally positive bases and progressive iteration approximation", Computers & Mathematics
+ * with Applications 50, 2005.
+ */
 CHI_API CHI_NODISCARD chi_status chi_spline_fit(const chi_exec* exec, chi_spline* spline,
   const chi_lines_view* lines, const chi_spline_params* params);
 
+/** Number of lines of the last fit; 0 before the first and after a failed one. */
 CHI_API size_t chi_spline_count(const chi_spline* spline);
+/** The curve of a line, borrowed; all zero (count 0) where `line` is out of range. */
 CHI_API void chi_spline_get_curve(const chi_spline* spline, size_t line, chi_spline_curve* curve);
+/** What the last fit did; counts are zero before the first. */
 CHI_API void chi_spline_get_stats(const chi_spline* spline, chi_spline_stats* stats);
 
 /**
