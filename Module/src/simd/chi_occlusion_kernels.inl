@@ -400,8 +400,8 @@ CHI_INLINE vf mean_of_four(vf a0, vf a1, vf b0, vf b1)
  * Averaging thickness would let thin opaque things darken twice their area; averaging transmittance
  * slab by slab lets the edge of a deep opaque thing darken the light pixel that it half covers
  * again in every slab. Light that goes straight on meets in a slab the same pixels as in the one
- * before, so that what counts for it is the mean of the product over the mean before; light that
- * moves by a pixel meets others. The cone has both: half of each (theory/occlusion.md, Eq. 4).
+ * before, so that what counts is the mean of the product with the slab before over the mean of that
+ * slab alone (theory/occlusion.md, Eq. 4).
  */
 static void halve(
   const float* const tau[2], const float* const before[2], float length, float* out, int count)
@@ -424,11 +424,10 @@ static void halve(
     const vf pb0 = vf_exp_neg(vf_load(before[1] + 2 * x) * -length);
     const vf pb1 = vf_exp_neg(vf_load(before[1] + 2 * x + CHI_LANES) * -length);
     const vf floor = vf_set(1e-30f);
-    const vf apart = vf_max(mean_of_four(ea0, ea1, eb0, eb1), floor);
     const vf joint = vf_max(mean_of_four(ea0 * pa0, ea1 * pa1, eb0 * pb0, eb1 * pb1), floor);
     const vf first = vf_max(mean_of_four(pa0, pa1, pb0, pb1), floor);
-    const vf log2 = vf_log(apart) + vf_log(joint) - vf_log(first);
-    vf_store(out + x, vf_max(log2 * (-0.5f / length), vf_set(0.0f)));
+    const vf tau_mean = (vf_log(first) - vf_log(joint)) * (1.0f / length);
+    vf_store(out + x, vf_max(tau_mean, vf_set(0.0f)));
   }
 }
 
