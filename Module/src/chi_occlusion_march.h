@@ -145,6 +145,20 @@ static inline uint8_t* dirty_row(const march* m, const chi_light_field* f, int64
     (size_t)(which * m->scene->light_height + y) * (size_t)m->segments;
 }
 
+/*
+ * Weights of three light pixels at an offset t from the middle one, |t| <= 1/2. Full size: linear. Half
+ * size: light pixels are means of 2 x 2 pixels, so that what they say of a point is the parabola that has
+ * these three means (hence 1/24); what it overshoots is cut to 0 ... 1. Linear weights would blur once
+ * more (mean error on the brain, 16 directions: 0.0107).
+ */
+static inline void chi_light_weights(int scale, double t, double weight[3])
+{
+  const double low = t < 0 ? -t : 0, high = t > 0 ? t : 0;
+  weight[0] = scale == 1 ? low : 0.5 * t * (t - 1) - 1.0 / 24;
+  weight[1] = scale == 1 ? 1 - low - high : 1 - t * t + 1.0 / 12;
+  weight[2] = scale == 1 ? high : 0.5 * t * (t + 1) - 1.0 / 24;
+}
+
 static inline void chi_fill_ones(float* out, int count)
 {
   for (int i = 0; i < count; ++i)

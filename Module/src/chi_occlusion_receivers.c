@@ -83,13 +83,22 @@ static double plane_at(const march* m, const chi_light_field* f, int64_t slab, d
   const chi_scene* const s = m->scene;
   x = fmin(fmax(x, 0), s->light_width - 1);
   y = fmin(fmax(y, 0), s->light_height - 1);
-  const int64_t i = (int64_t)x, j = (int64_t)y;
-  const int64_t i1 = i + 1 < s->light_width ? i + 1 : i, j1 = j + 1 < s->light_height ? j + 1 : j;
-  const double u = x - (double)i, v = y - (double)j;
-  const float* const a = visibility_row(m, f, slab, j);
-  const float* const b = visibility_row(m, f, slab, j1);
-  return (1 - v) * ((1 - u) * (double)a[i] + u * (double)a[i1]) +
-    v * ((1 - u) * (double)b[i] + u * (double)b[i1]);
+  /* The three light pixels about the nearest one a side; see chi_light_weights. */
+  const int64_t i = (int64_t)(x + 0.5), j = (int64_t)(y + 0.5);
+  double u[3], v[3], sum = 0;
+  chi_light_weights(s->scale, x - (double)i, u);
+  chi_light_weights(s->scale, y - (double)j, v);
+  for (int64_t b = -1; b <= 1; ++b)
+  {
+    const int64_t row = j + b < 0 ? 0 : j + b < s->light_height ? j + b : s->light_height - 1;
+    const float* const from = visibility_row(m, f, slab, row);
+    for (int64_t a = -1; a <= 1; ++a)
+    {
+      const int64_t at = i + a < 0 ? 0 : i + a < s->light_width ? i + a : s->light_width - 1;
+      sum += v[b + 1] * u[a + 1] * (double)from[at];
+    }
+  }
+  return fmin(fmax(sum, 0), 1);
 }
 
 /* Behind the last plane: every direction at the offset that is left, in one step. */

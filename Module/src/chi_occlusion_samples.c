@@ -25,40 +25,43 @@ static const float* run_visibility(
   }
   const int64_t first = (int64_t)floor(plane);
   const float w = (float)(plane - (double)first);
-  int64_t rows[2] = { y, y };
-  float v = 0;
+  int64_t rows[3] = { y, y, y };
+  double share[3] = { 1, 0, 0 };
+  const int row_count = s->scale == 2 ? 3 : 1;
   if (s->scale == 2)
   {
-    rows[0] = y & 1 ? y >> 1 : (y >> 1) - 1;
-    rows[1] = rows[0] + 1;
-    v = y & 1 ? 0.25f : 0.75f;
-    rows[0] = rows[0] > 0 ? rows[0] : 0;
-    rows[1] = rows[1] < s->light_height ? rows[1] : s->light_height - 1;
+    chi_light_weights(2, y & 1 ? 0.25 : -0.25, share);
+    for (int k = 0; k < 3; ++k)
+    {
+      const int64_t row = (y >> 1) + k - 1;
+      rows[k] = row < 0 ? 0 : row < s->light_height ? row : s->light_height - 1;
+    }
   }
   const int seg0 = x_begin / s->scale / CHI_SEGMENT;
   int seg1 = (x_end - 1) / s->scale / CHI_SEGMENT + 1; /* one more: the right neighbour is read */
   seg1 = seg1 < m->segments ? seg1 : m->segments - 1;
-  const float* source[4];
-  float weight[4], base = 1 - m->strength;
-  int dirty = 0;
-  for (int k = 0; k < 4; ++k)
+  const float* source[6];
+  float weight[6], base = 1 - m->strength;
+  int dirty = 0, count = 0;
+  for (int k = 0; k < 2 * row_count; ++k)
   {
-    const int64_t i = first + (k >> 1), row = rows[k & 1];
-    weight[k] = m->strength * (k >> 1 ? w : 1 - w) * (k & 1 ? v : 1 - v);
+    const int64_t i = first + k / row_count, row = rows[k % row_count];
+    const float part = m->strength * (k < row_count ? 1 - w : w) * (float)share[k % row_count];
     if (i < 0)
     {
-      base += weight[k]; /* before the first plane all light arrives */
-      weight[k] = 0;
+      base += part; /* before the first plane all light arrives */
+      continue;
     }
-    const int64_t plane_read = i < 0 ? 0 : i < slab ? i : slab - 1;
-    source[k] = visibility_row(m, f, plane_read, row);
-    if (weight[k] > 0)
+    if (part == 0)
     {
-      const uint8_t* const flags = dirty_row(m, f, 2 + ring_slot(m, plane_read), row);
-      for (int segment = seg0 > 0 ? seg0 - 1 : 0; segment <= seg1; ++segment)
-      {
-        dirty |= flags[segment];
-      }
+      continue;
+    }
+    source[count] = visibility_row(m, f, i, row);
+    weight[count++] = part;
+    const uint8_t* const flags = dirty_row(m, f, 2 + ring_slot(m, i), row);
+    for (int segment = seg0 > 0 ? seg0 - 1 : 0; segment <= seg1; ++segment)
+    {
+      dirty |= flags[segment];
     }
   }
   if (!dirty)
@@ -66,7 +69,7 @@ static const float* run_visibility(
     return NULL;
   }
   float* const out = picture(m, ROW_VISIBILITY, y);
-  m->kernels->enlarge(source, weight, base, s->scale, x_begin, x_end, out);
+  m->kernels->enlarge(source, weight, count, base, s->scale, x_begin, x_end, out);
   return out;
 }
 

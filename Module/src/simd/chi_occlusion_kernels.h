@@ -113,8 +113,8 @@ typedef struct chi_occlusion_kernels
     const float* const tau[2], const float* const before[2], float length, float* out, int count);
   void (*path_lengths)(const float* slope_x, const float* slope_y, int directions, float px,
     float py, float px_step, int count, float* length, float* length_x);
-  void (*enlarge)(const float* const rows[4], const float weight[4], float base, int scale,
-    int begin, int end, float* out);
+  void (*enlarge)(const float* const* rows, const float* weight, int row_count, float base,
+    int scale, int begin, int end, float* out);
 } chi_occlusion_kernels;
 
 extern const chi_occlusion_kernels chi_kernels_generic;

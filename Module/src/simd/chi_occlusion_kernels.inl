@@ -464,16 +464,20 @@ CHI_INLINE void store_interleaved(float* out, vf a, vf b)
 #endif
 }
 
-/* Weighted sum of four rows of light pixels, enlarged bilinearly to the picture's pixels. */
-static void enlarge(const float* const rows[4], const float weight[4], float base, int scale,
-  int begin, int end, float* out)
+/* Weighted sum of rows of light pixels, enlarged to the picture's pixels: a light pixel's two
+ * columns lie a quarter of it off its centre, with the weights of chi_light_weights(2, -1/4) and
+ * their mirror. */
+static void enlarge(const float* const* rows, const float* weight, int row_count, float base,
+  int scale, int begin, int end, float* out)
 {
+  const float near = 0.11458333f, middle = 1.0208333f, far = -0.13541667f;
+  const vf zero = vf_set(0.0f), one = vf_set(1.0f);
   if (scale == 1)
   {
     for (int x = begin; x < end; x += CHI_LANES)
     {
       vf v = vf_set(base);
-      for (int r = 0; r < 4; ++r)
+      for (int r = 0; r < row_count; ++r)
       {
         v += vf_load(rows[r] + x) * weight[r];
       }
@@ -484,12 +488,14 @@ static void enlarge(const float* const rows[4], const float weight[4], float bas
   for (int x = begin / 2; x < (end + 1) / 2; x += CHI_LANES)
   {
     vf left = vf_set(base), here = vf_set(base), right = vf_set(base);
-    for (int r = 0; r < 4; ++r)
+    for (int r = 0; r < row_count; ++r)
     {
       left += vf_load(rows[r] + x - 1) * weight[r];
       here += vf_load(rows[r] + x) * weight[r];
       right += vf_load(rows[r] + x + 1) * weight[r];
     }
-    store_interleaved(out + 2 * x, left * 0.25f + here * 0.75f, here * 0.75f + right * 0.25f);
+    const vf even = left * near + here * middle + right * far;
+    const vf odd = left * far + here * middle + right * near;
+    store_interleaved(out + 2 * x, vf_min(vf_max(even, zero), one), vf_min(vf_max(odd, zero), one));
   }
 }
