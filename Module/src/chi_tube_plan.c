@@ -402,7 +402,7 @@ static int is_outside(const plan_job* job, const candidate_list* list, const dou
 static void plan_points(plan_job* job, size_t i, const chi_spline_curve* c)
 {
   chi_tube* const t = job->tube;
-  chi_tube_ring* const ring = t->ring + t->line[i].ring_start;
+  chi_tube_ring* const ring = job->write ? t->ring + t->line[i].ring_start : NULL;
   double before[3] = { 0, 0, 0 };
   size_t kept = 0;
   for (size_t k = 0; k < c->count; ++k)

@@ -1,5 +1,8 @@
 /* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
 /* SPDX-License-Identifier: BSD-3-Clause */
+
+#define _POSIX_C_SOURCE 200809L /* setenv */
+
 #include <chiaroscuro/chi_tube.h>
 
 #include "chi_test.h"
@@ -587,6 +590,64 @@ static void schedules_agree_and_refusals_are_reported(void)
   drop(&t, &backwards);
 }
 
+/* Blocks of rings end anywhere in a line, points are float or double, and processors differ; the
+ * surface does not. */
+static void instruction_sets_agree_and_floats_are_rounded_doubles(void)
+{
+  enum
+  {
+    N = 131,
+    SIDES = 11
+  };
+  static double x[N][3];
+  static float points[3][3 * N * SIDES], normals[3][3 * N * SIDES];
+  static double precise[3 * N * SIDES];
+  const char* const sets[3] = { "generic", "avx2", "avx512" };
+  uint32_t seed = 5;
+  chi_tube_params p = default_params(0.2);
+  p.keep_rings = 1;
+  p.sides = SIDES;
+  p.cap = CHI_TUBE_CAP_NONE;
+  for (size_t n = 2; n <= N; n += n < 28 ? 26 : n < 36 || (n > 60 && n < 68) ? 1 : 5)
+  {
+    double largest = 0;
+    for (size_t i = 0; i < n; ++i)
+    {
+      for (size_t c = 0; c < 3; ++c)
+      {
+        x[i][c] = (c == 0) * (double)i + 0.4 * chi_test_random(&seed); /* no corner is sharp */
+        largest = fmax(largest, fabs(x[i][c]));
+      }
+    }
+    surface s;
+    make(&s, NULL, (const double(*)[3])x, 1, n, CHI_SPLINE_POLYLINE, 0, &p);
+    CHECK(s.status == CHI_OK && s.sizes.points == n * SIDES);
+    for (int k = 0; k < 3; ++k)
+    {
+      const chi_tube_outputs out = { .struct_size = sizeof out,
+        .points = points[k],
+        .point_type = CHI_F32,
+        .normals = normals[k] };
+      CHECK(setenv("CHIAROSCURO_ISA", sets[k], 1) == 0);
+      CHECK(chi_tube_sweep(NULL, s.tube, &out) == CHI_OK);
+      unsetenv("CHIAROSCURO_ISA");
+      CHECK(memcmp(points[k], points[0], 3 * n * SIDES * sizeof(float)) == 0);
+      CHECK(memcmp(normals[k], normals[0], 3 * n * SIDES * sizeof(float)) == 0);
+    }
+    const chi_tube_outputs out = { .struct_size = sizeof out,
+      .points = precise,
+      .point_type = CHI_F64 };
+    CHECK(chi_tube_sweep(NULL, s.tube, &out) == CHI_OK);
+    for (size_t i = 0; i < 3 * n * SIDES; ++i)
+    {
+      /* the center, both axes, both factors, two products and two sums are rounded: 9 halves of
+       * 2^-23 of what is largest */
+      CHECK(fabs((double)points[0][i] - precise[i]) <= 4.5 / 8388608 * (largest + 1));
+    }
+    drop(&s, NULL);
+  }
+}
+
 static void bad_arguments_are_named(void)
 {
   chi_tube* t = NULL;
@@ -624,6 +685,7 @@ int main(void)
   arrays_hold_rings_and_never_overshoot();
   lines_outside_or_short_are_counted();
   schedules_agree_and_refusals_are_reported();
+  instruction_sets_agree_and_floats_are_rounded_doubles();
   bad_arguments_are_named();
   return chi_test_report();
 }

@@ -1,11 +1,20 @@
 /* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "chi_occlusion_kernels.h"
+#include "chi_tube_kernels.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-const chi_occlusion_kernels* chi_kernels(void)
+enum
+{
+  GENERIC,
+  AVX2,
+  AVX512
+};
+
+/* The widest instruction set of this machine, or the one that CHIAROSCURO_ISA asks for. */
+static int instruction_set(void)
 {
 #if defined(__x86_64__) && defined(__GNUC__)
   const char* const wish = getenv("CHIAROSCURO_ISA");
@@ -16,12 +25,36 @@ const chi_occlusion_kernels* chi_kernels(void)
     __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
     __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512cd"))
   {
-    return &chi_kernels_avx512;
+    return AVX512;
   }
   if (!generic && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
   {
-    return &chi_kernels_avx2;
+    return AVX2;
   }
 #endif
+  return GENERIC;
+}
+
+const chi_occlusion_kernels* chi_kernels(void)
+{
+#if defined(__x86_64__) && defined(__GNUC__)
+  const int set = instruction_set();
+  return set == AVX512 ? &chi_kernels_avx512
+    : set == AVX2      ? &chi_kernels_avx2
+                       : &chi_kernels_generic;
+#else
   return &chi_kernels_generic;
+#endif
+}
+
+const chi_tube_kernels* chi_tube_get_kernels(void)
+{
+#if defined(__x86_64__) && defined(__GNUC__)
+  const int set = instruction_set();
+  return set == AVX512 ? &chi_tube_kernels_avx512
+    : set == AVX2      ? &chi_tube_kernels_avx2
+                       : &chi_tube_kernels_generic;
+#else
+  return &chi_tube_kernels_generic;
+#endif
 }

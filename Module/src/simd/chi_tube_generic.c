@@ -1,0 +1,5 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "chi_tube_kernels.inl"
+
+const chi_tube_kernels chi_tube_kernels_generic = { place, turns, ring };
