@@ -3,399 +3,26 @@
 
 /* Which lines are tubed, where their rings lie, how wide they are. */
 
-#include "chi_tube_internal.h"
+#include "chi_tube_rings.h"
 
 #include <stdatomic.h>
-#include <string.h>
 
 enum
 {
-  LINES_A_CHUNK = 16,
-  MAX_PIECES = 256 /* of one knot span; a turn of 360 degrees at 1.4 degrees a ring */
+  LINES_A_CHUNK = 16
 };
-
-/* A ring that may be dropped again. */
-typedef struct candidate
-{
-  chi_tube_ring ring;
-  double x[3], tangent[3], before[3];
-  size_t source;
-  double weight;
-  int keep;
-} candidate;
-
-typedef struct candidate_list
-{
-  candidate* item;
-  size_t count, capacity;
-} candidate_list;
 
 typedef struct plan_job
 {
-  const chi_exec* exec;
+  chi_ring_rules rules;
   chi_tube* tube;
-  const chi_tube_params* params;
-  double turn_scale;             /* 1 / chord of the angular tolerance */
-  const double* attribute_scale; /* [attribute_count] 1 / (tolerance * range); 0: constant array */
-  size_t* clamped;               /* [lines] */
-  size_t* dropped;               /* [lines] */
-  uint8_t* reason;               /* [lines] 1 outside, 2 short */
-  int write;                     /* 0: count rings; 1: write them */
+  size_t* clamped;       /* [lines] */
+  size_t* dropped;       /* [lines] */
+  uint8_t* reason;       /* [lines] 1 outside, 2 short */
+  chi_ring_lists* lists; /* [chunks] rings chosen by the first pass, for the second to copy */
+  int write;             /* 0: choose and count rings; 1: write them */
   atomic_int refused, bad_radius;
 } plan_job;
-
-static double value_at(const chi_array_view* a, size_t tuple, size_t component)
-{
-  const char* const at = (const char*)a->data + tuple * a->stride;
-  if (a->type == CHI_F32)
-  {
-    float x;
-    memcpy(&x, at + component * sizeof x, sizeof x);
-    return (double)x;
-  }
-  double x;
-  memcpy(&x, at + component * sizeof x, sizeof x);
-  return x;
-}
-
-static candidate* append(const chi_exec* exec, candidate_list* list)
-{
-  if (list->count == list->capacity)
-  {
-    const size_t capacity = list->capacity ? 2 * list->capacity : 256;
-    candidate* const grown = (candidate*)chi_alloc(exec, capacity, sizeof *grown);
-    if (!grown)
-    {
-      return NULL;
-    }
-    if (list->item)
-    {
-      memcpy(grown, list->item, list->count * sizeof *grown);
-      chi_free(exec, list->item, list->capacity, sizeof *grown);
-    }
-    list->item = grown;
-    list->capacity = capacity;
-  }
-  memset(&list->item[list->count], 0, sizeof(candidate));
-  return &list->item[list->count++];
-}
-
-static double radius_at(
-  const plan_job* job, size_t line, const chi_spline_curve* c, size_t source, double weight)
-{
-  const chi_tube_params* const p = job->params;
-  double radius = p->radius;
-  if (p->line_radius)
-  {
-    radius *= value_at(p->line_radius, line, 0);
-  }
-  if (p->point_radius)
-  {
-    const chi_lines_view* const lines = job->tube->lines;
-    const double a =
-      value_at(p->point_radius, (size_t)chi_tube_point_id(lines, line, c, source), 0);
-    const double b =
-      value_at(p->point_radius, (size_t)chi_tube_point_id(lines, line, c, source + 1), 0);
-    radius *= a + weight * (b - a);
-  }
-  return radius;
-}
-
-/* Largest radius that does not fold the surface. On a spline just below 1 / curvature; at a corner
- * what leaves the mitre within the shorter of its two segments. */
-static double radius_limit(const chi_spline_curve* c, const candidate* at)
-{
-  if (c->degree == 3)
-  {
-    double x[3][3], cross[3];
-    chi_spline_evaluate(c, at->ring.u, 2, x);
-    chi_cross(x[1], x[2], cross);
-    const double speed = sqrt(chi_dot(x[1], x[1]));
-    const double bend = sqrt(chi_dot(cross, cross));
-    return bend > 0 ? 0.999 * speed * speed * speed / bend : INFINITY;
-  }
-  const size_t span = chi_spline_span(c, at->ring.u, 1);
-  const double cosine = chi_dot(at->before, at->tangent);
-  if (at->ring.u != c->knots[span] || cosine > 1 - 1e-12 || cosine < CHI_TUBE_MITRE_COSINE)
-  {
-    return INFINITY;
-  }
-  const size_t i = span - 1, previous = i > 0 ? i - 1 : c->count - 2;
-  const double left = chi_distance(c->coefficients + 3 * i, c->coefficients + 3 * previous);
-  const double right = chi_distance(c->coefficients + 3 * i, c->coefficients + 3 * (i + 1));
-  return fmin(left, right) / sqrt((1 - cosine) / (1 + cosine)); /* tan of half the turn */
-}
-
-static int add_ring(
-  plan_job* job, candidate_list* list, size_t line, const chi_spline_curve* c, double u)
-{
-  candidate* const at = append(job->exec, list);
-  if (!at)
-  {
-    return 0;
-  }
-  const size_t hint = list->count > 1 ? list->item[list->count - 2].source : 0;
-  double x[1][3];
-  at->ring.u = u;
-  at->source = chi_tube_source(c, u, hint, &at->weight);
-  chi_spline_evaluate(c, u, 0, x);
-  memcpy(at->x, x[0], sizeof at->x);
-  if (!chi_tube_tangents(c, u, at->before, at->tangent))
-  {
-    --list->count;
-    return 1;
-  }
-  double radius = radius_at(job, line, c, at->source, at->weight);
-  if (!(radius >= 0) || !isfinite(radius))
-  {
-    job->bad_radius = 1;
-    radius = 0;
-  }
-  if (job->params->limit_radius)
-  {
-    const double limit = radius_limit(c, at);
-    if (radius > limit)
-    {
-      radius = limit;
-      ++job->clamped[line];
-    }
-  }
-  at->ring.radius = (float)radius;
-  const int closed_end = c->closed && (u == 0 || u >= 1);
-  if (c->degree == 1 && chi_dot(at->before, at->tangent) < CHI_TUBE_MITRE_COSINE && !closed_end)
-  {
-    candidate* const second = append(job->exec, list);
-    if (!second)
-    {
-      return 0;
-    }
-    candidate* const first = second - 1; /* append may have moved the list */
-    *second = *first;
-    first->ring.side = -1;
-    memcpy(first->tangent, first->before, sizeof first->tangent);
-    second->ring.side = 1;
-    first->keep = second->keep = 1;
-  }
-  return 1;
-}
-
-/* Pieces of a knot span so short that none bends more than half of what the tolerances allow. */
-static size_t pieces_of(const plan_job* job, const chi_spline_curve* c, double a, double b)
-{
-  double x[3][2][3], chord[3], off = 0, turn = 0;
-  for (int k = 0; k < 3; ++k)
-  {
-    chi_spline_evaluate(c, a + 0.5 * k * (b - a), 1, x[k]);
-    chi_normalise(x[k][1]);
-  }
-  for (int k = 0; k < 3; ++k)
-  {
-    chord[k] = 0.5 * (x[0][0][k] + x[2][0][k]) - x[1][0][k];
-  }
-  off = sqrt(chi_dot(chord, chord));
-  for (int k = 0; k < 2; ++k)
-  {
-    turn += acos(fmin(fmax(chi_dot(x[k][1], x[k + 1][1]), -1), 1)); /* once a span */
-  }
-  const double by_turn = 2 * turn / job->params->angular_tolerance_rad;
-  const double by_chord = 2 * sqrt(off / job->params->chord_tolerance);
-  const double pieces = ceil(fmax(fmax(by_turn, by_chord), 1));
-  return pieces < MAX_PIECES ? (size_t)pieces : MAX_PIECES;
-}
-
-static int add_candidates(
-  plan_job* job, candidate_list* list, size_t line, const chi_spline_curve* c)
-{
-  list->count = 0;
-  if (c->degree == 1 || job->params->keep_rings)
-  {
-    /* A polyline's points; a chord that stands for many points keeps those for the arrays' sake. */
-    for (size_t i = 0; i < c->point_count; ++i)
-    {
-      if (!add_ring(job, list, line, c, c->point_parameters[i]))
-      {
-        return 0;
-      }
-    }
-    return 1;
-  }
-  size_t point = 1;
-  const int by_points = job->params->attribute_count > 0 || job->params->point_radius;
-  for (size_t span = 3; span < c->count; ++span)
-  {
-    const double a = c->knots[span], b = c->knots[span + 1];
-    const size_t pieces = a < b ? pieces_of(job, c, a, b) : 0;
-    for (size_t k = 0; k < pieces; ++k)
-    {
-      const double u = a + (b - a) * ((double)k / (double)pieces);
-      for (; by_points && point < c->point_count && c->point_parameters[point] <= u; ++point)
-      {
-        const double at = c->point_parameters[point];
-        if (at < u && at > list->item[list->count - 1].ring.u && !add_ring(job, list, line, c, at))
-        {
-          return 0;
-        }
-      }
-      if (!add_ring(job, list, line, c, u))
-      {
-        return 0;
-      }
-    }
-  }
-  for (; by_points && point + 1 < c->point_count; ++point)
-  {
-    if (c->point_parameters[point] > list->item[list->count - 1].ring.u &&
-      !add_ring(job, list, line, c, c->point_parameters[point]))
-    {
-      return 0;
-    }
-  }
-  return add_ring(job, list, line, c, 1);
-}
-
-static double attribute_of(const plan_job* job, size_t line, const chi_spline_curve* c,
-  const candidate* at, size_t array, size_t component)
-{
-  const chi_array_view* const a = job->params->attributes[array];
-  const chi_lines_view* const lines = job->tube->lines;
-  const double first =
-    value_at(a, (size_t)chi_tube_point_id(lines, line, c, at->source), component);
-  const double second =
-    value_at(a, (size_t)chi_tube_point_id(lines, line, c, at->source + 1), component);
-  return first + at->weight * (second - first);
-}
-
-/* Turn between two unit vectors in units of the angular tolerance, by their chord: exactly 1 where
- * the turn is the tolerance, and without an arc cosine a candidate. */
-static double turn_of(const plan_job* job, const double a[3], const double b[3])
-{
-  const double d[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
-  return sqrt(chi_dot(d, d)) * job->turn_scale;
-}
-
-/* By how many times the tolerances a candidate would be missed if only i and j stayed. */
-static double need_of(const plan_job* job, size_t line, const chi_spline_curve* c,
-  const candidate* i, const candidate* k, const candidate* j)
-{
-  double ij = 0, ik = 0, square = 0;
-  for (int a = 0; a < 3; ++a)
-  {
-    ij += (j->x[a] - i->x[a]) * (j->x[a] - i->x[a]);
-    ik += (j->x[a] - i->x[a]) * (k->x[a] - i->x[a]);
-  }
-  const double w = ij > 0 ? fmin(fmax(ik / ij, 0), 1) : 0;
-  for (int a = 0; a < 3; ++a)
-  {
-    const double off = i->x[a] + w * (j->x[a] - i->x[a]) - k->x[a];
-    square += off * off;
-  }
-  double need = sqrt(square) / job->params->chord_tolerance;
-  need = fmax(need, turn_of(job, i->tangent, k->tangent));
-  const double radius =
-    (double)i->ring.radius + w * ((double)j->ring.radius - (double)i->ring.radius);
-  need = fmax(need, fabs(radius - (double)k->ring.radius) / job->params->chord_tolerance);
-  for (size_t n = 0; n < job->params->attribute_count && need <= 1; ++n)
-  {
-    for (size_t m = 0; m < job->params->attributes[n]->components; ++m)
-    {
-      const double a = attribute_of(job, line, c, i, n, m), b = attribute_of(job, line, c, j, n, m);
-      const double off = a + w * (b - a) - attribute_of(job, line, c, k, n, m);
-      need = fmax(need, isfinite(off) ? fabs(off) * job->attribute_scale[n] : 0);
-    }
-  }
-  return need;
-}
-
-/* Whether every ring between i and j may go. */
-static int can_skip(const plan_job* job, size_t line, const chi_spline_curve* c,
-  const candidate_list* list, size_t i, size_t j)
-{
-  if (turn_of(job, list->item[i].tangent, list->item[j].before) > 1)
-  {
-    return 0;
-  }
-  for (size_t k = i + 1; k < j; ++k)
-  {
-    if (need_of(job, line, c, &list->item[i], &list->item[k], &list->item[j]) > 1)
-    {
-      return 0;
-    }
-  }
-  return 1;
-}
-
-/* Keep as few rings as the tolerances allow: from each the longest step forward that they bear,
- * found by doubling and halving. (Splitting at the worst ring instead, Douglas & Peucker 1973, ends
- * at steps of all lengths between the longest and half of it: 18 % more rings on a helix.) */
-static void thin(const plan_job* job, size_t line, const chi_spline_curve* c, candidate_list* list)
-{
-  const size_t n = list->count;
-  list->item[0].keep = list->item[n - 1].keep = 1;
-  if (c->closed && n > 3)
-  {
-    list->item[n / 3].keep = list->item[2 * n / 3].keep = 1; /* a loop needs three */
-  }
-  for (size_t i = 0; i + 1 < n;)
-  {
-    size_t end = i + 1; /* no step goes beyond a ring that stays anyway */
-    while (!list->item[end].keep)
-    {
-      ++end;
-    }
-    size_t good = i + 1, bad = end + 1;
-    for (size_t step = 2; good < end; step *= 2)
-    {
-      const size_t j = i + step < end ? i + step : end;
-      if (!can_skip(job, line, c, list, i, j))
-      {
-        bad = j;
-        break;
-      }
-      good = j;
-    }
-    while (bad - good > 1 && good < end)
-    {
-      const size_t middle = good + (bad - good) / 2;
-      if (can_skip(job, line, c, list, i, middle))
-      {
-        good = middle;
-      }
-      else
-      {
-        bad = middle;
-      }
-    }
-    list->item[good].keep = 1;
-    i = good;
-  }
-}
-
-/* 1: the line lies wholly outside of the clip box by more than its radius. */
-static int is_outside(const plan_job* job, const candidate_list* list, const double origin[3])
-{
-  const double* const box = job->params->clip_box;
-  if (!box)
-  {
-    return 0;
-  }
-  for (int a = 0; a < 3; ++a)
-  {
-    double low = INFINITY, high = -INFINITY, radius = 0;
-    for (size_t k = 0; k < list->count; ++k)
-    {
-      low = fmin(low, list->item[k].x[a]);
-      high = fmax(high, list->item[k].x[a]);
-      radius = fmax(radius, (double)list->item[k].ring.radius);
-    }
-    /* the axis leaves the chords by no more than the tolerance */
-    const double margin = radius * 1.6 + job->params->chord_tolerance;
-    if (low + origin[a] > box[2 * a + 1] + margin || high + origin[a] < box[2 * a] - margin)
-    {
-      return 1;
-    }
-  }
-  return 0;
-}
 
 /* All points of a polyline as rings, without candidates: what a plain sweep of a million points
  * needs. */
@@ -425,7 +52,7 @@ static void plan_points(plan_job* job, size_t i, const chi_spline_curve* c)
       if (job->write)
       {
         const double radius =
-          radius_at(job, i, c, k + 1 < c->count ? k : k - 1, k + 1 < c->count ? 0 : 1);
+          chi_tube_radius(&job->rules, i, c, k + 1 < c->count ? k : k - 1, k + 1 < c->count ? 0 : 1);
         ring[kept] = (chi_tube_ring){ c->point_parameters[k], (float)radius, side };
         if (!(radius >= 0) || !isfinite(radius))
         {
@@ -443,88 +70,102 @@ static void plan_points(plan_job* job, size_t i, const chi_spline_curve* c)
   t->line[i].ring_count = kept;
 }
 
-static int plan_line(plan_job* job, candidate_list* list, size_t i)
+/* Every point of a polyline is a ring and nothing can be left out: no candidates needed. */
+static int is_plain(const plan_job* job, const chi_spline_curve* c)
 {
-  chi_tube* const t = job->tube;
+  const chi_tube_params* const p = job->rules.params;
+  return p->keep_rings && c->degree == 1 && c->count == c->point_count && !p->clip_box &&
+    !p->limit_radius;
+}
+
+static int plan_line(plan_job* job, chi_ring_lists* lists, size_t i)
+{
+  chi_tube_line* const line = &job->tube->line[i];
   chi_spline_curve c;
-  chi_spline_get_curve(t->spline, i, &c);
-  if (!job->write)
-  {
-    job->clamped[i] = job->dropped[i] = 0;
-    job->reason[i] = 0;
-    t->line[i].ring_count = 0;
-  }
-  if (c.count == 0 || job->reason[i])
+  chi_ring_choice choice;
+  chi_spline_get_curve(job->tube->spline, i, &c);
+  job->clamped[i] = job->dropped[i] = line->ring_count = 0;
+  job->reason[i] = 0;
+  if (c.count == 0)
   {
     return 1;
   }
-  if (c.length < job->params->min_length)
+  if (c.length < job->rules.params->min_length)
   {
     job->reason[i] = 2;
     return 1;
   }
-  job->clamped[i] = 0;
-  if (job->params->keep_rings && c.degree == 1 && c.count == c.point_count &&
-    !job->params->clip_box && !job->params->limit_radius)
+  if (is_plain(job, &c))
   {
     plan_points(job, i, &c);
     return 1;
   }
-  if (!add_candidates(job, list, i, &c))
+  if (!chi_tube_choose_rings(&job->rules, i, &c, lists, &choice))
   {
     return 0;
   }
-  if (list->count < 2)
+  if (choice.bad_radius)
   {
-    return 1;
+    job->bad_radius = 1;
   }
-  if (is_outside(job, list, c.origin))
+  line->ring_count = choice.rings;
+  job->clamped[i] = choice.clamped;
+  job->dropped[i] = choice.dropped;
+  job->reason[i] = choice.outside ? 1 : 0;
+  return 1;
+}
+
+/* Copy the chosen rings of a chunk's lines, or make those that need no choice. */
+static void write_lines(plan_job* job, const chi_ring_lists* lists, size_t first, size_t last)
+{
+  const chi_tube* const t = job->tube;
+  size_t at = 0;
+  for (size_t i = first; i < last; ++i)
   {
-    job->reason[i] = 1;
-    return 1;
-  }
-  if (!job->params->keep_rings)
-  {
-    thin(job, i, &c, list);
-  }
-  size_t kept = 0;
-  for (size_t k = 0; k < list->count; ++k)
-  {
-    if (list->item[k].keep || job->params->keep_rings)
+    chi_spline_curve c;
+    chi_spline_get_curve(t->spline, i, &c);
+    const size_t count = t->line[i].ring_count;
+    if (count > 0 && is_plain(job, &c))
     {
-      if (job->write)
-      {
-        t->ring[t->line[i].ring_start + kept] = list->item[k].ring;
-      }
-      ++kept;
+      plan_points(job, i, &c);
+    }
+    else if (count > 0)
+    {
+      memcpy(t->ring + t->line[i].ring_start, lists->ring + at, count * sizeof *t->ring);
+      at += count;
     }
   }
-  t->line[i].ring_count = kept;
-  job->dropped[i] = list->count - kept;
-  return 1;
 }
 
 static void plan_chunk(void* data, size_t begin, size_t end)
 {
   plan_job* const job = (plan_job*)data;
-  candidate_list list = { NULL, 0, 0 };
+  const chi_exec* const exec = job->rules.exec;
   for (size_t chunk = begin; chunk < end && !job->refused; ++chunk)
   {
+    chi_ring_lists* const lists = &job->lists[chunk];
     const size_t first = chunk * LINES_A_CHUNK;
     const size_t count = job->tube->line_count;
     const size_t last = count - first < LINES_A_CHUNK ? count : first + LINES_A_CHUNK;
-    for (size_t i = first; i < last && !chi_is_cancelled(job->exec); ++i)
+    if (job->write)
     {
-      if (!plan_line(job, &list, i))
+      write_lines(job, lists, first, last);
+      continue;
+    }
+    for (size_t i = first; i < last && !chi_is_cancelled(exec); ++i)
+    {
+      if (!plan_line(job, lists, i))
       {
         job->refused = 1;
         break;
       }
     }
-  }
-  if (list.item)
-  {
-    chi_free(job->exec, list.item, list.capacity, sizeof *list.item);
+    if (lists->candidate)
+    {
+      chi_free(exec, lists->candidate, lists->candidate_capacity, sizeof *lists->candidate);
+      lists->candidate = NULL;
+      lists->candidate_capacity = 0;
+    }
   }
 }
 
@@ -571,7 +212,7 @@ static void scale_attributes(const chi_tube_params* p, double* scale)
     {
       for (size_t m = 0; m < p->attributes[n]->components; ++m)
       {
-        const double x = value_at(p->attributes[n], i, m);
+        const double x = chi_tube_value(p->attributes[n], i, m);
         low = isfinite(x) && x < low ? x : low;
         high = isfinite(x) && x > high ? x : high;
       }
@@ -671,21 +312,25 @@ static chi_status reserve_rings(const chi_exec* exec, chi_tube* t)
   return t->sizes.rings <= t->ring_capacity ? CHI_OK : CHI_ERROR_OUT_OF_MEMORY;
 }
 
-static chi_status run_plan(plan_job* job)
+static chi_status run_plan(plan_job* job, size_t chunks)
 {
   chi_tube* const t = job->tube;
-  const size_t chunks = (t->line_count + LINES_A_CHUNK - 1) / LINES_A_CHUNK;
+  const chi_exec* const exec = job->rules.exec;
   chi_status status = CHI_OK;
   for (job->write = 0; job->write < 2 && status == CHI_OK; ++job->write)
   {
-    status = chunks ? chi_for(job->exec, chunks, plan_chunk, job) : CHI_OK;
+    status = chi_for(exec, chunks, plan_chunk, job);
     status = status == CHI_OK && job->refused ? CHI_ERROR_OUT_OF_MEMORY : status;
     status = status == CHI_OK && job->bad_radius ? CHI_ERROR_INVALID_ARGUMENT : status;
     if (status == CHI_OK && !job->write)
     {
       status = place_lines(t);
-      status = status == CHI_OK ? reserve_rings(job->exec, t) : status;
+      status = status == CHI_OK ? reserve_rings(exec, t) : status;
     }
+  }
+  for (size_t chunk = 0; chunk < chunks; ++chunk)
+  {
+    chi_ring_lists_release(exec, &job->lists[chunk]);
   }
   for (size_t i = 0; i < t->line_count && status == CHI_OK; ++i)
   {
@@ -721,27 +366,31 @@ chi_status chi_tube_plan(const chi_exec* exec, chi_tube* t, const chi_spline* sp
     t->planned = 1;
     return CHI_OK;
   }
-  if (n > SIZE_MAX / 64)
+  if (n > SIZE_MAX / 128)
   {
     return CHI_ERROR_TOO_LARGE;
   }
   const size_t arrays = params->attribute_tolerance > 0 ? params->attribute_count : 0;
-  const size_t bytes = n * (2 * sizeof(size_t) + 1) + (arrays + 1) * sizeof(double);
+  const size_t chunks = (n + LINES_A_CHUNK - 1) / LINES_A_CHUNK;
+  const size_t bytes =
+    chunks * sizeof(chi_ring_lists) + (arrays + 1) * sizeof(double) + n * (2 * sizeof(size_t) + 1);
   char* const scratch = (char*)chi_alloc(exec, bytes, 1);
   chi_tube_params used = *params;
   used.attribute_count = arrays;
-  plan_job job = { .exec = exec, .tube = t, .params = &used };
-  job.turn_scale = 0.5 / sin(0.5 * fmin(params->angular_tolerance_rad, 3.14));
+  plan_job job = { .rules = { .exec = exec, .lines = lines, .params = &used }, .tube = t };
+  job.rules.turn_scale = 0.5 / sin(0.5 * fmin(params->angular_tolerance_rad, 3.14));
   chi_status status = scratch ? reserve_lines(exec, t, n) : CHI_ERROR_OUT_OF_MEMORY;
   if (status == CHI_OK)
   {
-    double* const scale = (double*)(void*)scratch;
-    job.attribute_scale = scale;
+    job.lists = (chi_ring_lists*)(void*)scratch;
+    double* const scale = (double*)(void*)(job.lists + chunks);
     job.clamped = (size_t*)(void*)(scale + arrays + 1);
     job.dropped = job.clamped + n;
     job.reason = (uint8_t*)(job.dropped + n);
+    job.rules.attribute_scale = scale;
+    memset(job.lists, 0, chunks * sizeof *job.lists);
     scale_attributes(&used, scale);
-    status = run_plan(&job);
+    status = run_plan(&job, chunks);
   }
   if (scratch)
   {
