@@ -1,8 +1,8 @@
 /* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
 /* SPDX-License-Identifier: BSD-3-Clause */
 
-/* Frames along the axis of a tube. What a ring needs of its neighbours alone is computed for a block
- * of rings at once; only the normal is carried from ring to ring. */
+/* Frames along the axis of a tube. What a ring needs of its neighbours alone is computed for a
+ * block of rings at once; only the normal is carried from ring to ring. */
 
 #include "chi_tube_frames.h"
 
@@ -84,14 +84,15 @@ static void place_one(chi_tube_frames* f, size_t s, const chi_tube_ring* ring)
 {
   chi_tube_block* const b = &f->block;
   const chi_spline_curve* const c = &f->curve;
-  double x[1][3], before[3], after[3], tangent[3], stretch[3] = { 0, 0, 0 };
-  chi_spline_evaluate(c, ring->u, 0, x);
+  double x[3], before[3], after[3], tangent[3], stretch[3] = { 0, 0, 0 };
+  const int side = c->degree == 1 ? ring->side : 0;
+  chi_tube_axis(c, ring, x);
   chi_tube_tangents(c, ring->u, before, after);
-  memcpy(tangent, ring->side < 0 ? before : after, sizeof tangent);
+  memcpy(tangent, side < 0 ? before : after, sizeof tangent);
   b->widening[s] = 0;
   const double cosine = chi_dot(before, after);
   const double half = sqrt(0.5 * fmax(1 + cosine, 0));
-  if (ring->side == 0 && c->degree == 1 && half >= 1e-6)
+  if (side == 0 && c->degree == 1 && half >= 1e-6)
   {
     for (int a = 0; a < 3; ++a)
     {
@@ -101,7 +102,7 @@ static void place_one(chi_tube_frames* f, size_t s, const chi_tube_ring* ring)
     const double square = chi_dot(stretch, stretch);
     b->widening[s] = square > 1e-28 ? (1 / fmax(half, 0.6) - 1) / square : 0;
   }
-  put(b->x, s, x[0]);
+  put(b->x, s, x);
   put(b->before, s, before);
   put(b->after, s, after);
   put(b->tangent, s, tangent);
@@ -192,8 +193,8 @@ static void carry_normals(chi_tube_frames* f, size_t from, size_t to)
     double next[3], tangent[3];
     for (size_t i = 0; i < 3; ++i)
     {
-      next[i] = b->turn[3 * i][s] * n[0] + b->turn[3 * i + 1][s] * n[1] +
-        b->turn[3 * i + 2][s] * n[2];
+      next[i] =
+        b->turn[3 * i][s] * n[0] + b->turn[3 * i + 1][s] * n[1] + b->turn[3 * i + 2][s] * n[2];
     }
     memcpy(n, next, sizeof n);
     if (s == to || frenet)

@@ -23,9 +23,9 @@ typedef struct chi_tube_frames
 void chi_tube_frames_start(
   chi_tube_frames* frames, const chi_tube_kernels* kernels, const chi_tube* tube, size_t line);
 
-/* Rings of the next block, which become slots 1 ... that many; 0 at the end of the line. x, tangent,
- * normal, radius, stretch and widening hold there; radius and chord also for the neighbours before
- * and after, at the line's ends the ring's own radius and a chord of 0. */
+/* Rings of the next block, which become slots 1 ... that many; 0 at the end of the line. x,
+ * tangent, normal, radius, stretch and widening hold there; radius and chord also for the
+ * neighbours before and after, at the line's ends the ring's own radius and a chord of 0. */
 size_t chi_tube_frames_next(chi_tube_frames* frames);
 
 static inline void chi_tube_slot(double field[3][CHI_TUBE_SLOTS], size_t s, double out[3])

@@ -7,13 +7,18 @@
 
 #include "chi_spline_internal.h"
 
-/* One ring of the plan: where on its curve, and how wide. A corner that is too sharp to mitre has
- * two rings at one place, `before` and `after` it. */
+/* One ring of the plan: where on its curve, and how wide. A polyline's corner that is too sharp to
+ * mitre has two rings at one place, before and after it. A spline's rings lie a little outside of
+ * its bends, so that the chords between them err to both sides. */
 typedef struct chi_tube_ring
 {
   double u;
   float radius;
-  int32_t side; /* 0: smooth or mitred; -1, 1: the ring before, after a sharp corner */
+  union
+  {
+    int32_t side;  /* of a polyline: 0 smooth or mitred; -1, 1: the ring before, after the corner */
+    float outward; /* of a spline: distance from the curve, against its curvature */
+  };
 } chi_tube_ring;
 
 /* One line of the plan. */
@@ -118,6 +123,37 @@ static inline double chi_normalise(double v[3])
     v[2] *= inverse;
   }
   return length;
+}
+
+/* Curvature vector of a curve with these first and second derivatives; 0 where it stands still. */
+static inline void chi_tube_bend(const double first[3], const double second[3], double bend[3])
+{
+  const double square = chi_dot(first, first);
+  const double along = square > 0 ? chi_dot(first, second) / square : 0;
+  for (int a = 0; a < 3; ++a)
+  {
+    bend[a] = square > 0 ? (second[a] - along * first[a]) / square : 0;
+  }
+}
+
+/* Centre of a ring. */
+static inline void chi_tube_axis(const chi_spline_curve* c, const chi_tube_ring* ring, double x[3])
+{
+  double y[3][3], bend[3] = { 0, 0, 0 }, outward = 0;
+  if (c->degree == 1 || ring->outward == 0)
+  {
+    chi_spline_evaluate(c, ring->u, 0, y);
+  }
+  else
+  {
+    chi_spline_evaluate(c, ring->u, 2, y);
+    chi_tube_bend(y[1], y[2], bend);
+    outward = chi_normalise(bend) > 0 ? (double)ring->outward : 0;
+  }
+  for (int a = 0; a < 3; ++a)
+  {
+    x[a] = y[0][a] - outward * bend[a];
+  }
 }
 
 /* Beyond this turn (cosine of it) a corner of a polyline gets two rings instead of a mitre, which

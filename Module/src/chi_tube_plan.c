@@ -51,9 +51,10 @@ static void plan_points(plan_job* job, size_t i, const chi_spline_curve* c)
     {
       if (job->write)
       {
-        const double radius =
-          chi_tube_radius(&job->rules, i, c, k + 1 < c->count ? k : k - 1, k + 1 < c->count ? 0 : 1);
-        ring[kept] = (chi_tube_ring){ c->point_parameters[k], (float)radius, side };
+        const double radius = chi_tube_radius(
+          &job->rules, i, c, k + 1 < c->count ? k : k - 1, k + 1 < c->count ? 0 : 1);
+        ring[kept] =
+          (chi_tube_ring){ .u = c->point_parameters[k], .radius = (float)radius, .side = side };
         if (!(radius >= 0) || !isfinite(radius))
         {
           job->bad_radius = 1;

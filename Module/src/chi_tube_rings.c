@@ -64,8 +64,8 @@ static int add_candidate(ring_job* job, const candidate* item)
 {
   chi_ring_lists* const l = job->lists;
   void* list = l->candidate;
-  const int fits = grow(
-    job->rules->exec, &list, l->candidates, &l->candidate_capacity, sizeof *l->candidate, 256);
+  const int fits =
+    grow(job->rules->exec, &list, l->candidates, &l->candidate_capacity, sizeof *l->candidate, 256);
   l->candidate = (candidate*)list;
   if (fits)
   {
@@ -78,8 +78,7 @@ static int add_ring(ring_job* job, const candidate* item)
 {
   chi_ring_lists* const l = job->lists;
   void* list = l->ring;
-  const int fits =
-    grow(job->rules->exec, &list, l->rings, &l->ring_capacity, sizeof *l->ring, 512);
+  const int fits = grow(job->rules->exec, &list, l->rings, &l->ring_capacity, sizeof *l->ring, 512);
   l->ring = (chi_tube_ring*)list;
   if (fits)
   {
@@ -96,12 +95,8 @@ static double radius_limit(const chi_spline_curve* c, const candidate* at)
 {
   if (c->degree == 3)
   {
-    double x[3][3], cross[3];
-    chi_spline_evaluate(c, at->ring.u, 2, x);
-    chi_cross(x[1], x[2], cross);
-    const double speed = sqrt(chi_dot(x[1], x[1]));
-    const double bend = sqrt(chi_dot(cross, cross));
-    return bend > 0 ? 0.999 * speed * speed * speed / bend : INFINITY;
+    const double curvature = sqrt(chi_dot(at->bend, at->bend));
+    return curvature > 0 ? 0.999 / curvature : INFINITY;
   }
   const size_t span = chi_spline_span(c, at->ring.u, 1);
   const double cosine = chi_dot(at->before, at->tangent);
@@ -119,16 +114,18 @@ static double radius_limit(const chi_spline_curve* c, const candidate* at)
 static int place(ring_job* job, double u, size_t hint, candidate* at)
 {
   const chi_spline_curve* const c = job->curve;
-  double x[2][3];
+  double x[3][3];
   memset(at, 0, sizeof *at);
   at->ring.u = u;
   at->source = chi_tube_source(c, u, hint, &at->weight);
-  chi_spline_evaluate(c, u, 1, x);
+  chi_spline_evaluate(c, u, c->degree == 3 ? 2 : 1, x);
   memcpy(at->x, x[0], sizeof at->x);
+  memcpy(at->axis, x[0], sizeof at->axis);
   memcpy(at->tangent, x[1], sizeof at->tangent);
   if (c->degree == 3 && chi_normalise(at->tangent) > 0)
   {
     memcpy(at->before, at->tangent, sizeof at->before);
+    chi_tube_bend(x[1], x[2], at->bend);
   }
   else if (!chi_tube_tangents(c, u, at->before, at->tangent))
   {
@@ -276,13 +273,13 @@ static double need_of(
   double ij = 0, ik = 0, square = 0;
   for (int a = 0; a < 3; ++a)
   {
-    ij += (j->x[a] - i->x[a]) * (j->x[a] - i->x[a]);
-    ik += (j->x[a] - i->x[a]) * (k->x[a] - i->x[a]);
+    ij += (j->axis[a] - i->axis[a]) * (j->axis[a] - i->axis[a]);
+    ik += (j->axis[a] - i->axis[a]) * (k->x[a] - i->axis[a]);
   }
   const double w = ij > 0 ? fmin(fmax(ik / ij, 0), 1) : 0;
   for (int a = 0; a < 3; ++a)
   {
-    const double off = i->x[a] + w * (j->x[a] - i->x[a]) - k->x[a];
+    const double off = i->axis[a] + w * (j->axis[a] - i->axis[a]) - k->x[a];
     square += off * off;
   }
   double need = sqrt(square) / p->chord_tolerance;
@@ -302,10 +299,35 @@ static double need_of(
   return need;
 }
 
-/* Whether candidates first ... end - 1, which lie between two rings, may go. */
-static int can_skip(
-  const ring_job* job, const candidate* from, size_t first, size_t end, const candidate* to)
+/* Put the ring of a spline half the step's sagitta outside of the bend: the chord then errs as much
+ * to one side as the rings do to the other, and may be sqrt(2) times as long. The line's ends stay.
+ */
+static void move_outward(const ring_job* job, const candidate* from, candidate* to)
 {
+  const double curvature = sqrt(chi_dot(to->bend, to->bend));
+  if (job->curve->degree == 1 || to->ring.u <= 0 || to->ring.u >= 1 || !(curvature > 0))
+  {
+    return;
+  }
+  double step = 0;
+  for (int a = 0; a < 3; ++a)
+  {
+    step += (to->x[a] - from->x[a]) * (to->x[a] - from->x[a]);
+  }
+  const double most = 0.999 * job->rules->params->chord_tolerance; /* rounded to float below */
+  to->ring.outward = (float)fmin(curvature * step / 16, most);
+  for (int a = 0; a < 3; ++a)
+  {
+    to->axis[a] = to->x[a] - to->bend[a] * ((double)to->ring.outward / curvature);
+  }
+}
+
+/* Whether candidates first ... end - 1, which lie between two rings, may go; `to` finds its place.
+ */
+static int can_skip(
+  const ring_job* job, const candidate* from, size_t first, size_t end, candidate* to)
+{
+  move_outward(job, from, to);
   if (turn_of(job, from->tangent, to->before) > 1)
   {
     return 0;
@@ -323,7 +345,8 @@ static int can_skip(
 /* The last of candidates next ... end that a step from `from` may reach; the first may always. */
 static size_t longest_step(const ring_job* job, const candidate* from, size_t next, size_t end)
 {
-  const candidate* const item = job->lists->candidate;
+  candidate* const item = job->lists->candidate;
+  move_outward(job, from, &item[next]);
   size_t good = next, bad = end + 1;
   for (size_t step = 1; good < end; step = 2 * step + 1)
   {

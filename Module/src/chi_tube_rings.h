@@ -22,6 +22,8 @@ typedef struct chi_ring_candidate
 {
   chi_tube_ring ring;
   double x[3], tangent[3], before[3];
+  double bend[3]; /* curvature vector, of a spline */
+  double axis[3]; /* the ring's centre, once a step towards it is considered */
   size_t source;
   double weight;
   int keep, clamped;
@@ -63,8 +65,8 @@ static inline double chi_tube_value(const chi_array_view* a, size_t tuple, size_
   return x;
 }
 
-static inline double chi_tube_radius(const chi_ring_rules* rules, size_t line,
-  const chi_spline_curve* c, size_t source, double weight)
+static inline double chi_tube_radius(
+  const chi_ring_rules* rules, size_t line, const chi_spline_curve* c, size_t source, double weight)
 {
   const chi_tube_params* const p = rules->params;
   double radius = p->radius;

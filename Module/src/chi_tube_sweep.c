@@ -22,7 +22,8 @@ typedef struct sweep_job
   const double* double_circle; /* [sides][2] cosine, sine; only where points are double */
 } sweep_job;
 
-/* A ring that is about to be written; normal, binormal and tangent are orthonormal, right-handed. */
+/* A ring that is about to be written; normal, binormal and tangent are orthonormal, right-handed.
+ */
 typedef struct station
 {
   double x[3], tangent[3], normal[3], binormal[3];
@@ -261,18 +262,18 @@ static void sweep_curve(const sweep_job* job, size_t i)
   const int direct = c.degree == 1 && c.count == line->ring_count && t->keep_rings;
   for (size_t k = 0; k < line->ring_count && o->curve_points; ++k)
   {
-    double x[1][3];
+    double x[3];
     if (direct)
     {
-      memcpy(x[0], c.coefficients + 3 * k, sizeof x[0]);
+      memcpy(x, c.coefficients + 3 * k, sizeof x);
     }
     else
     {
-      chi_spline_evaluate(&c, t->ring[line->ring_start + k].u, 0, x);
+      chi_tube_axis(&c, &t->ring[line->ring_start + k], x);
     }
     for (size_t a = 0; a < 3; ++a)
     {
-      o->curve_points[3 * (line->curve_point_start + k) + a] = x[0][a] + c.origin[a];
+      o->curve_points[3 * (line->curve_point_start + k) + a] = x[a] + c.origin[a];
     }
   }
   if (o->curve_offsets)

@@ -13,77 +13,10 @@
 
 #include "occlusion_reference.h"
 
+#include "chi_bench.h"
+
 #include <math.h>
-#include <pthread.h>
-#include <stdatomic.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <time.h>
-
-enum
-{
-  RUNS = 5,
-  MAX_THREADS = 64
-};
-
-static double now_ns(void)
-{
-  struct timespec t;
-  timespec_get(&t, TIME_UTC);
-  return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
-}
-
-/* A plain parallel_for: threads of its own a call, pieces handed out by a counter. */
-typedef struct pool
-{
-  int threads;
-} pool;
-
-typedef struct pool_job
-{
-  chi_range_fn body;
-  void* data;
-  size_t count, piece;
-  atomic_size_t next;
-} pool_job;
-
-static void* work(void* arg)
-{
-  pool_job* const job = (pool_job*)arg;
-  for (;;)
-  {
-    const size_t begin = atomic_fetch_add(&job->next, job->piece);
-    if (begin >= job->count)
-    {
-      return NULL;
-    }
-    const size_t end = begin + job->piece < job->count ? begin + job->piece : job->count;
-    job->body(job->data, begin, end);
-  }
-}
-
-static void pool_for(void* user, size_t count, chi_range_fn body, void* data)
-{
-  const int threads = ((const pool*)user)->threads;
-  pool_job job = { body, data, count, count / (size_t)(16 * threads) + 1, 0 };
-  pthread_t thread[MAX_THREADS];
-  int started = 0;
-  while (started < threads - 1 && pthread_create(thread + started, NULL, work, &job) == 0)
-  {
-    ++started;
-  }
-  work(&job);
-  for (int i = 0; i < started; ++i)
-  {
-    pthread_join(thread[i], NULL);
-  }
-}
-
-static chi_exec exec_of(pool* p)
-{
-  return (chi_exec){ .struct_size = sizeof(chi_exec), .user = p, .parallel_for = pool_for };
-}
 
 /* A scene with its judged points and exact visibilities. */
 typedef struct judged_scene
@@ -118,7 +51,7 @@ static void judged_free(judged_scene* s)
 }
 
 static int judge(judged_scene* s, const char* name, reference_kind kind, const char* raw,
-  double angle_deg, pool* threads)
+  double angle_deg, chi_bench_pool* threads)
 {
   *s = (judged_scene){ .name = name,
     .view = angle_deg > 0 ? reference_perspective_view(angle_deg) : reference_parallel_view(),
@@ -138,7 +71,7 @@ static int judge(judged_scene* s, const char* name, reference_kind kind, const c
   {
     return 0;
   }
-  pool_for(threads, s->points.count, solve, s);
+  chi_bench_for(threads, s->points.count, solve, s);
   return 1;
 }
 
@@ -146,15 +79,15 @@ static int judge(judged_scene* s, const char* name, reference_kind kind, const c
 static double time_frames(const chi_exec* exec, chi_occlusion* engine, reference_frame* f)
 {
   double best = INFINITY;
-  for (int run = 0; run < RUNS + 1; ++run)
+  for (int run = 0; run < CHI_BENCH_RUNS + 1; ++run)
   {
     f->params.bias = run & 1 ? 1e-9 : 0;
-    const double t0 = now_ns();
+    const double t0 = chi_bench_now();
     if (chi_occlusion_render(exec, engine, &f->frame) != CHI_OK)
     {
       return INFINITY;
     }
-    best = fmin(best, now_ns() - t0);
+    best = fmin(best, chi_bench_now() - t0);
   }
   return best;
 }
@@ -179,10 +112,10 @@ static void measure(const chi_exec* exec, chi_occlusion* engine, reference_frame
   fflush(stdout);
 }
 
-static void measure_scene(judged_scene* s, pool* p)
+static void measure_scene(judged_scene* s, chi_bench_pool* p)
 {
   static const char* const slices[3] = { "", "-2-slices", "-4-slices" };
-  const chi_exec exec = exec_of(p);
+  const chi_exec exec = chi_bench_exec(p);
   reference_frame* const f = malloc(sizeof *f);
   chi_occlusion* engine = NULL;
   if (!f || chi_occlusion_create(&exec, &engine) != CHI_OK)
@@ -227,9 +160,9 @@ static int ascending(const void* a, const void* b)
 
 /* Pictures and V of 250, 500 and 1000 slices against 2000, at a bias of 1.5 voxels; errors in units
  * of 1/255, over the covered pixels and the judged points. */
-static void compare_slices(judged_scene* s, pool* p)
+static void compare_slices(judged_scene* s, chi_bench_pool* p)
 {
-  const chi_exec exec = exec_of(p);
+  const chi_exec exec = chi_bench_exec(p);
   const size_t pixels = REFERENCE_SIZE * REFERENCE_SIZE, count = s->points.count;
   reference_frame* const f = malloc(sizeof *f);
   float* const finest = malloc((4 * pixels + count) * sizeof *finest);
@@ -343,8 +276,8 @@ static reference_view moving_view(int frame, int pixels)
 
 static void time_moving(int shells, int directions, int half, int threads, const uint8_t* scalars)
 {
-  pool p = { threads };
-  const chi_exec exec = exec_of(&p);
+  chi_bench_pool p = { threads };
+  const chi_exec exec = chi_bench_exec(&p);
   const size_t n = 256;
   reference_frame* const f = malloc(sizeof *f);
   chi_occlusion* engine = NULL;
@@ -376,17 +309,17 @@ static void time_moving(int shells, int directions, int half, int threads, const
   for (int frame = 0; frame < 8; ++frame)
   {
     f->camera = moving_view(frame, 512).camera;
-    double t0 = now_ns();
+    double t0 = chi_bench_now();
     if (chi_occlusion_render(&exec, engine, &f->frame) != CHI_OK)
     {
       break;
     }
-    moving = frame ? fmin(moving, now_ns() - t0) : moving; /* the first also reads the volume */
+    moving = frame ? fmin(moving, chi_bench_now() - t0) : moving; /* the first also reads the volume */
     chi_occlusion_get_stats(engine, &stats);
-    t0 = now_ns();
+    t0 = chi_bench_now();
     if (chi_occlusion_render(&exec, engine, &f->frame) == CHI_OK)
     {
-      still = fmin(still, now_ns() - t0);
+      still = fmin(still, chi_bench_now() - t0);
     }
   }
   char method[64];
@@ -412,7 +345,7 @@ static void time_moving(int shells, int directions, int half, int threads, const
 
 int main(int argc, char** argv)
 {
-  pool two = { 2 };
+  chi_bench_pool two = { 2 };
   printf("topic,case,method,parameter,n,threads,min_ns,error,error_kind\n");
   fprintf(stderr, "# instruction set: %s\n", chi_occlusion_instruction_set());
   static const struct

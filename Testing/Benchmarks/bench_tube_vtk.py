@@ -1,34 +1,22 @@
 # SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""vtkChiStreamTubes beside vtkTubeFilter (same rings) and vtkSplineFilter + vtkTubeFilter (same error)."""
+"""vtkChiStreamTubes beside vtkTubeFilter (same rings) and vtkSplineFilter + vtkTubeFilter (same error):
+bench_tube_vtk.py [DATA], the folder with tracks300.trk."""
 import math
+import sys
 import time
 
 import numpy as np
-from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkPoints, vtkSMPTools
-from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkSMPTools
 from vtkmodules.vtkFiltersCore import vtkTubeFilter
 from vtkmodules.vtkFiltersGeneral import vtkSplineFilter
 
 from chiaroscuro import vtkChiStreamTubes
+from tube_lines import abc_flow, analytic, fibres, hausdorff, helices, poly_data, sphere_flow
 
 LINES, POINTS, SIDES, RUNS = 2000, 500, 8, 5
-
-
-def helices(lines, points):
-    """Helices of radius 1 and pitch 2 pi 0.3, two turns each, side by side."""
-    t = np.linspace(0, 4 * math.pi, points)
-    one = np.stack([np.cos(t), np.sin(t), 0.3 * t], 1)
-    shift = np.stack([3.0 * (np.arange(lines) % 50), 3.0 * (np.arange(lines) // 50), np.zeros(lines)], 1)
-    data, p, cells = vtkPolyData(), vtkPoints(), vtkCellArray()
-    xyz = (one[None] + shift[:, None]).reshape(-1, 3).astype(np.float32)
-    p.SetData(numpy_to_vtk(xyz, deep=True))
-    cells.SetData(numpy_to_vtkIdTypeArray(np.arange(lines + 1) * points, deep=True),
-                  numpy_to_vtkIdTypeArray(np.arange(lines * points), deep=True))
-    data.SetPoints(p)
-    data.SetLines(cells)
-    return data
+FEW, COMPARED = 40, 20  # lines of the cases at equal error; of them the error is measured
 
 
 def timed(*filters, runs=RUNS):
@@ -42,76 +30,82 @@ def timed(*filters, runs=RUNS):
     return best
 
 
-def axis_error(curve):
-    """Largest distance of the polylines' points and middles of segments to the first helix's axis."""
-    xyz = vtk_to_numpy(curve.GetPoints().GetData()).astype(float)
-    ends = vtk_to_numpy(curve.GetLines().GetOffsetsArray())
-    p = xyz[ends[0]:ends[1]]
-    p = np.concatenate([p, 0.5 * (p[1:] + p[:-1])])
-    t = p[:, 2] / 0.3
-    for _ in range(20):  # Newton for the nearest point of the helix
-        f = p[:, 0] * np.sin(t) - p[:, 1] * np.cos(t) + 0.3 * (0.3 * t - p[:, 2])
-        t -= f / (p[:, 0] * np.cos(t) + p[:, 1] * np.sin(t) + 0.09)
-    q = np.stack([np.cos(t), np.sin(t), 0.3 * t], 1)
-    return np.linalg.norm(p - q, axis=1).max()
-
-
 def triangles(surface):
-    return sum(surface.GetStrips().GetOffsetsArray().GetTuple1(i + 1)
-               - surface.GetStrips().GetOffsetsArray().GetTuple1(i) - 2
-               for i in range(0, min(SIDES, surface.GetNumberOfStrips())))
+    return int(np.sum(np.diff(vtk_to_numpy(surface.GetStrips().GetOffsetsArray())) - 2))
 
 
 def row(case, method, parameter, n, threads, ns, error, kind):
     print(f"tube,{case},{method},{parameter},{n},{threads},{ns},{error:.6g},{kind}", flush=True)
 
 
-def main():
-    print("topic,case,method,parameter,n,threads,min_ns,error,error_kind")
-    vtkSMPTools.SetBackend("STDThread")
-    data = helices(LINES, POINTS)
-    peer = vtkTubeFilter()
-    peer.SetInputData(data)
-    peer.SetNumberOfSides(SIDES)
-    peer.SetRadius(0.05)
+def tubes(data, radius):
     ours = vtkChiStreamTubes()
     ours.SetInputData(data)
     ours.SetNumberOfSides(SIDES)
     ours.RadiusIsRelativeOff()
-    ours.SetRadius(0.05)
+    ours.SetRadius(radius)
     ours.SetCappingToNone()
+    return ours
+
+
+def same_rings():
+    data = poly_data(helices(LINES, POINTS))
+    peer = vtkTubeFilter()
+    peer.SetInputData(data)
+    peer.SetNumberOfSides(SIDES)
+    peer.SetRadius(0.05)
+    ours = tubes(data, 0.05)
     ours.SplineFittingOff()
     for threads in (2, 1):
         vtkSMPTools.Initialize(threads)
         row("same rings", "chiStreamTubes", "no fit", LINES * POINTS, threads, timed(ours), 0, "")
     row("same rings", "vtkTubeFilter", "", LINES * POINTS, 1, timed(peer), 0, "")
 
-    # Equal error: the axis against the true helix, on a tenth of the lines.
-    vtkSMPTools.Initialize(2)
-    few = helices(LINES // 10, POINTS)
-    ours.SetInputData(few)
-    ours.SplineFittingOn()
+
+def equal_error(case, references, lines, radius, tolerances, steps):
+    """Triangles of the strips, and the two-sided distance of their axes to the references."""
+    data, references = poly_data(lines), references[:COMPARED]
+    points, count = data.GetNumberOfPoints(), len(lines)
+    ours = tubes(data, radius)
+    ours.LimitRadiusToCurvatureOff()
     ours.ToleranceIsRelativeOff()
     ours.SetAngularTolerance(45)
-    for tolerance in (1e-2, 3e-3, 1e-3, 3e-4):
+    for tolerance in tolerances:
         ours.SetTolerance(tolerance)
         best = math.inf
         for _ in range(RUNS):
-            few.GetPoints().Modified()  # so that the fit is part of the time
+            data.GetPoints().Modified()  # so that the fit is part of the time
             best = min(best, timed(ours, runs=1))
-        error = axis_error(ours.GetOutput(1))
-        parameter = f"tolerance={tolerance:g} triangles={triangles(ours.GetOutput()):.0f}"
-        row("equal error", "chiStreamTubes", parameter, few.GetNumberOfPoints(), 2, best, error, "axis_hausdorff")
-    spline = vtkSplineFilter()
-    spline.SetInputData(few)
-    spline.SetSubdivideToSpecified()
+        error = hausdorff(ours.GetOutput(1), references)
+        parameter = f"tolerance={tolerance:g} triangles={triangles(ours.GetOutput()) / count:.0f}"
+        row(case, "chiStreamTubes", parameter, points, 2, best, error, "axis_hausdorff")
+    spline, peer = vtkSplineFilter(), vtkTubeFilter()
+    spline.SetInputData(data)
+    spline.SetSubdivideToLength()  # at equal numbers of pieces no worse than SubdivideToSpecified
     peer.SetInputConnection(spline.GetOutputPort())
-    for pieces in (40, 80, 160, 320, 640):
-        spline.SetNumberOfSubdivisions(pieces)
+    peer.SetNumberOfSides(SIDES)
+    peer.SetRadius(radius)
+    for step in steps:
+        spline.SetLength(step)
         best = timed(spline, peer, runs=3)
-        error = axis_error(spline.GetOutput())
-        parameter = f"pieces={pieces} triangles={triangles(peer.GetOutput()):.0f}"
-        row("equal error", "vtkSplineFilter+vtkTubeFilter", parameter, few.GetNumberOfPoints(), 1, best, error, "axis_hausdorff")
+        error = hausdorff(spline.GetOutput(), references)
+        parameter = f"length={step:g} triangles={triangles(peer.GetOutput()) / count:.0f}"
+        row(case, "vtkSplineFilter+vtkTubeFilter", parameter, points, 1, best, error, "axis_hausdorff")
+
+
+def main():
+    print("topic,case,method,parameter,n,threads,min_ns,error,error_kind")
+    vtkSMPTools.SetBackend("STDThread")
+    same_rings()
+    vtkSMPTools.Initialize(2)
+    tolerances = (1e-2, 3e-3, 1e-3, 3e-4)
+    equal_error("helix", *analytic(helices, FEW, POINTS), 0.05, tolerances, (0.2, 0.1, 0.05, 0.025))
+    equal_error("flow past a sphere", *analytic(sphere_flow, FEW, POINTS), 0.05, tolerances,
+                (0.4, 0.2, 0.1, 0.05))
+    equal_error("ABC flow", *analytic(abc_flow, FEW, POINTS), 0.02, tolerances, (0.2, 0.1, 0.05, 0.025))
+    if len(sys.argv) > 1:
+        equal_error("fornix", *fibres(f"{sys.argv[1]}/tracks300.trk"), 0.5, (1, 0.5, 0.2, 0.1, 0.05),
+                    (8, 4, 2, 1, 0.5))
 
 
 if __name__ == "__main__":

@@ -24,8 +24,8 @@ def main():
     for program in sorted((build / "bin").glob("bench_*")):
         topic = program.name[len("bench_"):].removesuffix("_vtk")
         start = time.perf_counter()
-        result = subprocess.run([program] + ([brain] if program.name == "bench_occlusion" else []),
-                                stdout=subprocess.PIPE, text=True)
+        arguments = {"bench_occlusion": [brain], "bench_tube_vtk": [data]}.get(program.name, [])
+        result = subprocess.run([program, *arguments], stdout=subprocess.PIPE, text=True)
         print(f"{program.name}: {time.perf_counter() - start:.0f} s", flush=True)
         if result.returncode != 0:
             failed.append(program.name)
