@@ -56,8 +56,9 @@ static void widest_step(const chi_scene* s, double* columns, double* rows)
     shift =
       chi_scene_shift(s, chi_scene_depth(s, 0.5), chi_scene_depth(s, 1.5)); /* nearest = widest */
   }
-  *columns = fmin(ceil(slope_x * s->pixels_x * shift), s->light_width + 1);
-  *rows = fmax(1, fmin(ceil(slope_y * s->pixels_y * shift), s->light_height + 1));
+  /* a mirrored window has negative pixels */
+  *columns = fmin(ceil(slope_x * fabs(s->pixels_x) * shift), s->light_width + 1);
+  *rows = fmax(1, fmin(ceil(slope_y * fabs(s->pixels_y) * shift), s->light_height + 1));
 }
 
 static void plan_order(march* m)

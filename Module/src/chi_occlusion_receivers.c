@@ -242,7 +242,12 @@ void chi_march_read_last_probes(const march* m)
   for (size_t i = 0; probes && i < probes->count; ++i)
   {
     const double plane = probe_plane(m, i);
-    if (plane <= -1 || floor(plane) + 2 >= (double)m->scene->slabs)
+    if (!isfinite(plane) || !isfinite(probes->position[3 * i]) ||
+      !isfinite(probes->position[3 * i + 1]))
+    {
+      probes->visibility[i] = NAN;
+    }
+    else if (plane <= -1 || floor(plane) + 2 >= (double)m->scene->slabs)
     {
       read_probe(m, i);
     }

@@ -132,7 +132,7 @@ chi_status chi_scene_build(
       return CHI_OK;
     }
     /* Without a volume the picture sets the scale: one light pixel at the nearest surface. */
-    scene->voxel = (scene->parallel ? 1 : surface_near) / scene->pixels_x;
+    scene->voxel = (scene->parallel ? 1 : surface_near) / fabs(scene->pixels_x);
   }
   scene->slice = params->sample_distance > 0 ? params->sample_distance : scene->voxel;
   const double ratio = scene->voxel / scene->slice * (1 + 1e-9);
@@ -177,7 +177,7 @@ chi_status chi_scene_build(
   double front_slabs = front > 0 ? ceil(front / scene->slab) : 0;
   if (near - front_slabs * scene->slab < nearest)
   {
-    front_slabs = floor((near - nearest) / scene->slab);
+    front_slabs = fmax(floor((near - nearest) / scene->slab), 0); /* surfaces may lie nearer */
   }
   const double back_slabs = back > 0 ? ceil(back / scene->slab) : 0;
   const double total = volume_slabs + front_slabs + back_slabs;

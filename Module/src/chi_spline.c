@@ -80,7 +80,6 @@ static chi_status reserve(
   if (lines <= s->line_capacity && points <= s->point_capacity && controls <= s->control_capacity &&
     knots <= s->knot_capacity)
   {
-    s->line_count = 0;
     return CHI_OK;
   }
   free_storage(exec, s);
@@ -263,9 +262,15 @@ static void gather_stats(chi_spline* s)
 chi_status chi_spline_fit(const chi_exec* exec, chi_spline* spline, const chi_lines_view* lines,
   const chi_spline_params* params)
 {
+  if (spline) /* the former curves are gone, whatever the result */
+  {
+    spline->line_count = 0;
+    spline->stats = (chi_spline_stats){ .struct_size = sizeof spline->stats };
+  }
   if (!spline || !params || !chi_lines_are_valid(lines) || !(params->tolerance >= 0) ||
     !isfinite(params->tolerance) || !(params->merge_distance >= 0) ||
-    params->method < CHI_SPLINE_PROGRESSIVE || params->method > CHI_SPLINE_LEAST_SQUARES)
+    !isfinite(params->merge_distance) || params->method < CHI_SPLINE_PROGRESSIVE ||
+    params->method > CHI_SPLINE_LEAST_SQUARES)
   {
     return CHI_ERROR_INVALID_ARGUMENT;
   }
@@ -335,6 +340,11 @@ void chi_spline_get_stats(const chi_spline* spline, chi_spline_stats* stats)
 void chi_spline_evaluate(const chi_spline_curve* curve, double u, int32_t order, double out[][3])
 {
   const int degree = curve->degree;
+  if (curve->count == 0)
+  {
+    memset(out, 0, (size_t)(order + 1) * sizeof out[0]);
+    return;
+  }
   u = u > 0 ? (u < 1 ? u : 1) : 0;
   const size_t span = chi_spline_span(curve, u, (size_t)degree);
   double d[4][3];

@@ -22,7 +22,15 @@ typedef struct carry_job
   size_t stride;
 } carry_job;
 
-/* One tuple between points a and b. Interpolation is linear, so never beyond the two values. */
+/* Linear between two values, and not by rounding beyond them either. */
+static double between(double x, double y, double w)
+{
+  const double low = x < y ? x : y, high = x < y ? y : x;
+  const double z = (1 - w) * x + w * y;
+  return w <= 0 ? x : w >= 1 ? y : z < low ? low : z > high ? high : z;
+}
+
+/* One tuple between points a and b. */
 static void carry_tuple(const carry_job* job, int64_t a, int64_t b, double w, char* out)
 {
   const int64_t nearest = w < 0.5 ? a : b;
@@ -41,7 +49,7 @@ static void carry_tuple(const carry_job* job, int64_t a, int64_t b, double w, ch
       float x, y;
       memcpy(&x, first + c * sizeof x, sizeof x);
       memcpy(&y, second + c * sizeof y, sizeof y);
-      const float z = w <= 0 ? x : w >= 1 ? y : (float)((1 - w) * (double)x + w * (double)y);
+      const float z = (float)between((double)x, (double)y, w);
       memcpy(out + c * sizeof z, &z, sizeof z);
     }
   }
@@ -52,7 +60,7 @@ static void carry_tuple(const carry_job* job, int64_t a, int64_t b, double w, ch
       double x, y;
       memcpy(&x, first + c * sizeof x, sizeof x);
       memcpy(&y, second + c * sizeof y, sizeof y);
-      const double z = w <= 0 ? x : w >= 1 ? y : (1 - w) * x + w * y;
+      const double z = between(x, y, w);
       memcpy(out + c * sizeof z, &z, sizeof z);
     }
   }

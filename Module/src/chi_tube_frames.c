@@ -18,6 +18,20 @@ static void any_normal(const double t[3], double out[3])
   chi_normalise(out);
 }
 
+/* Take rounding's part along the tangent from a normal and make it a unit vector again. */
+static void straighten(const double tangent[3], double normal[3])
+{
+  const double along = chi_dot(normal, tangent);
+  for (int a = 0; a < 3; ++a)
+  {
+    normal[a] -= along * tangent[a];
+  }
+  if (!(chi_normalise(normal) > 0.5))
+  {
+    any_normal(tangent, normal);
+  }
+}
+
 /* Frenet's normal where the curve bends, on the side of the one carried there. */
 static void bend_normal(
   const chi_tube_frames* f, size_t s, const double tangent[3], double normal[3])
@@ -38,16 +52,19 @@ static void bend_normal(
     memcpy(n, x[2], sizeof n);
     scale = chi_dot(x[1], x[1]);
   }
+  /* Below, the direction is rounding: a turn of less than 1e-9 over the curve, or what the
+   * tangent's part leaves of a far longer vector. */
+  const double least = fmax(1e-9 * sqrt(scale), 1e-12 * sqrt(chi_dot(n, n)));
   const double along = chi_dot(n, tangent);
   for (int a = 0; a < 3; ++a)
   {
     n[a] -= along * tangent[a];
   }
-  /* Below, the direction is rounding: a turn of less than 1e-9 over the curve. */
-  if (!(chi_normalise(n) > 1e-9 * sqrt(scale)))
+  if (!(chi_normalise(n) > least))
   {
     return;
   }
+  straighten(tangent, n);
   const double side = chi_dot(n, normal) < 0 ? -1 : 1;
   for (int a = 0; a < 3; ++a)
   {
@@ -90,13 +107,13 @@ static void place_one(chi_tube_frames* f, size_t s, const chi_tube_ring* ring)
   chi_tube_tangents(c, ring->u, before, after);
   memcpy(tangent, side < 0 ? before : after, sizeof tangent);
   b->widening[s] = 0;
-  const double cosine = chi_dot(before, after);
-  const double half = sqrt(0.5 * fmax(1 + cosine, 0));
+  const double sum[3] = { before[0] + after[0], before[1] + after[1], before[2] + after[2] };
+  const double half = 0.5 * sqrt(chi_dot(sum, sum));
   if (side == 0 && c->degree == 1 && half >= 1e-6)
   {
     for (int a = 0; a < 3; ++a)
     {
-      tangent[a] = (before[a] + after[a]) * (0.5 / half);
+      tangent[a] = sum[a] * (0.5 / half);
       stretch[a] = after[a] - before[a];
     }
     const double square = chi_dot(stretch, stretch);
@@ -166,22 +183,8 @@ static void turn_on_the_spot(chi_tube_block* b, size_t s)
   }
 }
 
-/* Take rounding's part along the tangent from a normal and make it a unit vector again. */
-static void straighten(const double tangent[3], double normal[3])
-{
-  const double along = chi_dot(normal, tangent);
-  for (int a = 0; a < 3; ++a)
-  {
-    normal[a] -= along * tangent[a];
-  }
-  if (!(chi_normalise(normal) > 0.5))
-  {
-    any_normal(tangent, normal);
-  }
-}
-
-/* Carry the normal through slots from ... to. A rotation of rounded entries loses no more than
- * 1e-16 a ring, so that once a block is often enough to restore length and right angle. */
+/* Carry the normal through slots from ... to. A rotation of rounded entries loses 1e-16 a ring,
+ * 1e-8 at a reversal, so that once a block is often enough to restore length and right angle. */
 static void carry_normals(chi_tube_frames* f, size_t from, size_t to)
 {
   chi_tube_block* const b = &f->block;

@@ -214,9 +214,11 @@ static void count_non_finite(void* data, size_t begin, size_t end)
   }
 }
 
+/* How the samples are fetched where they lie; -1: they are copied first. */
 static int fetch_of(const chi_volume_view* v, size_t samples)
 {
-  if (v->stride != chi_type_size(v->type) || samples * v->stride < 4)
+  const size_t size = chi_type_size(v->type);
+  if (v->stride != size || samples * size < 4 || (uintptr_t)v->scalars % size != 0)
   {
     return -1;
   }

@@ -65,7 +65,8 @@ typedef struct chi_occlusion_params
 typedef struct chi_occlusion_probes
 {
   const double* position; /**< [count x 3]: x, y in pixels (centre of pixel i is i + 0.5), depth */
-  float* visibility;      /**< [count] mean visibility of the cone, before strength, after bias */
+  float* visibility;      /**< [count] mean visibility of the cone, before strength, after bias; NaN
+                               where the position is not finite */
   size_t count;
 } chi_occlusion_probes;
 
@@ -132,7 +133,8 @@ CHI_API void chi_occlusion_destroy(const chi_exec* exec, chi_occlusion* occlusio
  * @retval CHI_ERROR_INVALID_ARGUMENT  null pointer, unknown type, window or matrix that is singular
  * or not finite, parameter out of range; the last picture stands
  * @retval CHI_ERROR_OUT_OF_MEMORY     the last picture is lost, the handle stays usable
- * @retval CHI_ERROR_TOO_LARGE         more than 2^24 slices, or a size overflows
+ * @retval CHI_ERROR_TOO_LARGE         more than 2^24 slices, or a size overflows; the last picture
+ * stands
  * @retval CHI_ERROR_CANCELLED         the last picture is lost, the handle stays usable
  *
  * Precision    samples and light in float, positions and tables in double; see theory/occlusion.md.
@@ -145,7 +147,7 @@ CHI_API void chi_occlusion_destroy(const chi_exec* exec, chi_occlusion* occlusio
 CHI_API CHI_NODISCARD chi_status chi_occlusion_render(
   const chi_exec* exec, chi_occlusion* occlusion, const chi_occlusion_frame* frame);
 
-/** The last picture; all zero and NULL before the first or after a failed frame. */
+/** The last picture; all zero and NULL before the first, or where the last frame lost it. */
 CHI_API void chi_occlusion_get_image(const chi_occlusion* occlusion, chi_occlusion_image* image);
 CHI_API void chi_occlusion_get_stats(const chi_occlusion* occlusion, chi_occlusion_stats* stats);
 

@@ -32,8 +32,9 @@ static void place(chi_tube_block* restrict b, size_t first, size_t last)
      * along their difference by 1 / cos(a / 2). */
     const double u[3] = { b->before[0][s], b->before[1][s], b->before[2][s] };
     const double v[3] = { b->after[0][s], b->after[1][s], b->after[2][s] };
-    const double square_half = 0.5 * (1 + (u[0] * v[0] + u[1] * v[1] + u[2] * v[2]));
-    const double half = sqrt(square_half > 0 ? square_half : 0);
+    /* from the sum: 1 + cos a would lose all its digits towards a reversal */
+    const double w[3] = { u[0] + v[0], u[1] + v[1], u[2] + v[2] };
+    const double half = 0.5 * sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
     const int bent = half >= 1e-6; /* a reversal has no bisector */
     const double share = 0.5 / (bent ? half : 1);
     const double d[3] = { v[0] - u[0], v[1] - u[1], v[2] - u[2] };
@@ -43,7 +44,7 @@ static void place(chi_tube_block* restrict b, size_t first, size_t last)
     const double widening = (1 / (half > 0.6 ? half : 0.6) - 1) / (widens ? square : 1);
     for (int a = 0; a < 3; ++a)
     {
-      b->tangent[a][s] = bent ? (u[a] + v[a]) * share : v[a];
+      b->tangent[a][s] = bent ? w[a] * share : v[a];
       b->stretch[a][s] = d[a];
     }
     b->widening[s] = widens ? widening : 0;
@@ -72,7 +73,9 @@ static void turns(chi_tube_block* restrict b, size_t first, size_t last)
       q[a] = b->tangent[a][s] - (t[a] - along * p[a]);
     }
     const double qq = q[0] * q[0] + q[1] * q[1] + q[2] * q[2];
-    const double g = qq > 1e-30 ? 2 / qq : 0;
+    /* Nothing is missing at a reversal; below 1e-8, q's direction is off by more than 1e-8, its
+     * rounding over its length, and the normal is better left 1e-8 off the right angle. */
+    const double g = qq > 1e-16 ? 2 / qq : 0;
     const double fg = f * g * (p[0] * q[0] + p[1] * q[1] + p[2] * q[2]);
     for (int a = 0; a < 3; ++a)
     {

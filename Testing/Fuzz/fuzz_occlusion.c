@@ -1,0 +1,237 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+
+/* Small frames of any volume, surface, camera and parameters: refused where the header says so,
+ * else a picture of premultiplied colours and visibilities between 0 and 1. */
+
+#include "fuzz.h"
+
+#include <chiaroscuro/chi_occlusion.h>
+
+static void fuzz_matrix(fuzz* f, double* m, int rigid)
+{
+  static const double identity[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
+  memcpy(m, identity, sizeof identity);
+  const double a = fuzz_once_in(f, 2) ? fuzz_unit(f) : 0, c = cos(a), s = sin(a);
+  const size_t x = fuzz_upto(f, 2), y = (x + 1) % 3;
+  m[4 * x + x] = m[4 * y + y] = c;
+  m[4 * x + y] = -s;
+  m[4 * y + x] = s;
+  for (int k = 0; k < 3 && !rigid; ++k)
+  {
+    const double scale =
+      fuzz_once_in(f, 3) ? fuzz_any(f) : 1; /* mirrors, slivers, nothing at all */
+    for (int i = 0; i < 3; ++i)
+    {
+      m[4 * i + k] *= scale;
+    }
+  }
+  for (int k = 0; k < 3; ++k)
+  {
+    m[4 * k + 3] = fuzz_once_in(f, 8) ? fuzz_any(f) : fuzz_unit(f) / 2;
+  }
+  if (fuzz_once_in(f, 32))
+  {
+    m[fuzz_upto(f, 15)] = fuzz_any(f);
+  }
+}
+
+static chi_camera fuzz_camera(fuzz* f)
+{
+  chi_camera c = { .struct_size = fuzz_size(f, sizeof c) };
+  fuzz_matrix(f, c.world_to_eye, 1);
+  c.world_to_eye[11] -= 12;
+  c.parallel = fuzz_byte(f) & 1;
+  const double half = c.parallel ? 8 : 0.6;
+  c.window[0] = fuzz_mostly(f, -half);
+  c.window[1] = fuzz_mostly(f, half);
+  c.window[2] = fuzz_mostly(f, -half);
+  c.window[3] = fuzz_mostly(f, half);
+  c.width = fuzz_once_in(f, 64) ? (int32_t)fuzz_bits(f, 4) : (int32_t)(1 + fuzz_upto(f, 40));
+  c.height = fuzz_once_in(f, 64) ? (int32_t)fuzz_bits(f, 4) : (int32_t)(1 + fuzz_upto(f, 40));
+  c.near_depth = fuzz_mostly(f, 0.1);
+  return c;
+}
+
+static chi_volume_view fuzz_volume(fuzz* f)
+{
+  static const chi_type types[] = { CHI_U8, CHI_F32, CHI_I16, CHI_F64, CHI_I8, CHI_U16, CHI_I32,
+    CHI_U32, CHI_I64, CHI_U64 };
+  chi_volume_view v = { .struct_size = fuzz_size(f, sizeof v) };
+  for (int k = 0; k < 3; ++k)
+  {
+    v.dimensions[k] = 1 + fuzz_upto(f, fuzz_once_in(f, 4) ? 1 : 12);
+  }
+  const size_t count = v.dimensions[0] * v.dimensions[1] * v.dimensions[2];
+  v.type = types[fuzz_upto(f, 9)];
+  const chi_array_view scalars = fuzz_array(f, count, 1, v.type);
+  v.scalars = scalars.data;
+  v.stride = scalars.stride;
+  fuzz_matrix(f, v.index_to_world, 0);
+  v.is_cell_data = fuzz_byte(f) & 1;
+  v.interpolation = fuzz_once_in(f, 64) ? (int32_t)fuzz_bits(f, 2) : (int32_t)(fuzz_byte(f) & 1);
+  v.version = ++f->versions;
+  if (fuzz_once_in(f, 64)) /* one thing that is wrong */
+  {
+    const size_t which = fuzz_upto(f, 3);
+    v.scalars = which == 0 ? NULL : v.scalars;
+    v.stride = which == 1 ? 0 : v.stride;
+    v.dimensions[0] = which == 2 ? 0 : v.dimensions[0];
+    v.type = which == 3 ? (chi_type)77 : v.type;
+  }
+  return v;
+}
+
+static chi_transfer_view fuzz_transfer(fuzz* f)
+{
+  chi_transfer_view t = { .struct_size = fuzz_size(f, sizeof t) };
+  t.count = 2 + fuzz_upto(f, 12);
+  float* const rgb = (float*)fuzz_new(f, 3 * t.count * sizeof *rgb);
+  float* const opacity = (float*)fuzz_new(f, t.count * sizeof *opacity);
+  for (size_t i = 0; i < t.count; ++i)
+  {
+    for (size_t k = 0; k < 3; ++k)
+    {
+      rgb[3 * i + k] = (float)fuzz_byte(f) / 255;
+    }
+    opacity[i] = fuzz_once_in(f, 64) ? (float)fuzz_any(f)
+      : fuzz_byte(f) & 1             ? (float)fuzz_byte(f) / 255
+                                     : 0;
+  }
+  t.rgb = rgb;
+  t.opacity = opacity;
+  t.range[0] = fuzz_mostly(f, -4);
+  t.range[1] = fuzz_mostly(f, 4);
+  t.unit_distance = fuzz_mostly(f, 1);
+  t.version = ++f->versions;
+  t.count = fuzz_once_in(f, 64) ? fuzz_upto(f, 1) : t.count;
+  return t;
+}
+
+static chi_occlusion_params fuzz_params(fuzz* f)
+{
+  chi_occlusion_params p;
+  chi_occlusion_default_params(&p);
+  p.struct_size = fuzz_size(f, sizeof p);
+  p.method = fuzz_once_in(f, 64) ? (int32_t)fuzz_bits(f, 2) : (int32_t)(fuzz_byte(f) & 1);
+  p.directions =
+    fuzz_once_in(f, 32) ? (int32_t)fuzz_bits(f, 2) - 9 : (int32_t)(1 + fuzz_upto(f, 63));
+  p.half_size = fuzz_byte(f) & 1;
+  p.interactions = (int32_t)fuzz_upto(f, 15);
+  p.cone_angle_rad = fuzz_mostly(f, 0.0175 + (double)fuzz_byte(f) / 180);
+  p.strength = fuzz_mostly(f, (double)fuzz_byte(f) / 255);
+  p.sample_distance = fuzz_mostly(f, (double)fuzz_byte(f) / 128);
+  p.bias = fuzz_mostly(f, fuzz_unit(f));
+  p.geometry_thickness = fuzz_once_in(f, 4) ? INFINITY : fuzz_mostly(f, (double)fuzz_byte(f) / 64);
+  p.skip = fuzz_byte(f) & 1;
+  return p;
+}
+
+static void check_picture(const chi_occlusion* o, const chi_camera* c)
+{
+  chi_occlusion_image image;
+  chi_occlusion_get_image(o, &image);
+  FUZZ_CHECK(
+    image.width == c->width && image.height == c->height && image.rgba && image.visibility);
+  const size_t pixels = (size_t)c->width * (size_t)c->height;
+  /* sums of products of numbers up to 1, in float: a few hundred roundings of 6e-8 */
+  const double over = 1 + 1e-4;
+  for (size_t i = 0; i < pixels; ++i)
+  {
+    const float* const p = image.rgba + 4 * i;
+    FUZZ_CHECK(fuzz_is_in((double)p[3], 0, over));
+    for (int k = 0; k < 3; ++k)
+    {
+      FUZZ_CHECK(fuzz_is_in((double)p[k], 0, (double)p[3] * over + 1e-6));
+    }
+    FUZZ_CHECK(fuzz_is_in((double)image.visibility[i], 0, over));
+  }
+}
+
+static void render(fuzz* f, chi_occlusion* o)
+{
+  const chi_camera camera = fuzz_camera(f);
+  const chi_volume_view volume = fuzz_volume(f);
+  const chi_transfer_view transfer = fuzz_transfer(f);
+  const chi_occlusion_params params = fuzz_params(f);
+  const int32_t w = camera.width, h = camera.height;
+  const int small = w > 0 && h > 0 && w < 4096 && h < 4096;
+  const size_t pixels = small ? (size_t)w * (size_t)h : 0;
+  float* const depth = (float*)fuzz_new(f, pixels * sizeof *depth);
+  for (size_t i = 0; i < pixels; ++i)
+  {
+    depth[i] = i < 64 && fuzz_once_in(f, 16) ? (float)fuzz_any(f)
+      : fuzz_byte(f) & 1                     ? 12 + (float)fuzz_unit(f)
+                                             : INFINITY;
+  }
+  const chi_surface_view surface = {
+    .struct_size = sizeof surface, .depth = depth, .version = ++f->versions
+  };
+  double position[3 * 8];
+  float visibility[8];
+  for (int i = 0; i < 24; ++i)
+  {
+    position[i] =
+      i % 3 == 2 ? fuzz_mostly(f, 12 + fuzz_unit(f)) : fuzz_mostly(f, (double)fuzz_byte(f) / 8);
+  }
+  const chi_occlusion_probes probes = { position, visibility, fuzz_upto(f, 8) };
+  const chi_occlusion_frame frame = { .struct_size = fuzz_size(f, sizeof frame),
+    .camera = &camera,
+    .volume = fuzz_once_in(f, 8) ? NULL : &volume,
+    .transfer = fuzz_once_in(f, 32) ? NULL : &transfer,
+    .surface = small && fuzz_byte(f) & 1 ? &surface : NULL,
+    .params = &params,
+    .probes = fuzz_byte(f) & 1 ? &probes : NULL };
+  /* a frame of very many slices is honest, but ends here */
+  const chi_exec exec = fuzz_host(f, 20000);
+  const chi_status status = chi_occlusion_render(&exec, o, &frame);
+  FUZZ_CHECK(status >= CHI_OK && status <= CHI_ERROR_NOT_READY && status != CHI_ERROR_EMPTY);
+  /* a buffer whose size overflows is refused before the host is asked */
+  FUZZ_CHECK(status != CHI_ERROR_OUT_OF_MEMORY || f->refused || (double)w * (double)h > 1e9);
+  FUZZ_CHECK(status != CHI_ERROR_CANCELLED || f->cancelled);
+  if (status == CHI_OK)
+  {
+    check_picture(o, &camera);
+    for (size_t i = 0; i < probes.count && frame.probes; ++i)
+    {
+      const double* const p = position + 3 * i;
+      const int finite = isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
+      FUZZ_CHECK(
+        finite ? fuzz_is_in((double)visibility[i], -1e-4, 1 + 1e-4) : isnan(visibility[i]));
+    }
+    fuzz_before(f);
+    FUZZ_CHECK(frame.probes || chi_occlusion_render(&exec, o, &frame) == CHI_OK);
+    chi_occlusion_stats stats;
+    chi_occlusion_get_stats(o, &stats);
+    FUZZ_CHECK(frame.probes || stats.reused); /* nothing changed */
+  }
+  else if (status == CHI_ERROR_OUT_OF_MEMORY || status == CHI_ERROR_CANCELLED)
+  {
+    chi_occlusion_image image;
+    chi_occlusion_get_image(o, &image);
+    FUZZ_CHECK(!image.rgba && image.width == 0);
+  }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count)
+{
+  fuzz* const f = (fuzz*)calloc(1, sizeof *f);
+  FUZZ_CHECK(f);
+  f->bytes = bytes;
+  f->count = count;
+  chi_exec exec = fuzz_host(f, 1000);
+  chi_occlusion* o = NULL;
+  const chi_status status = chi_occlusion_create(&exec, &o);
+  FUZZ_CHECK((status == CHI_OK) == (o != NULL));
+  for (int round = 0; o && round < 3; ++round) /* one handle, several frames */
+  {
+    const size_t kept = f->kept_count;
+    render(f, o);
+    fuzz_forget(f, kept);
+  }
+  exec = fuzz_host(f, 1000);
+  chi_occlusion_destroy(&exec, o);
+  fuzz_end(f);
+  free(f);
+  return 0;
+}
