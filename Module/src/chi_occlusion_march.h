@@ -11,8 +11,8 @@
 
 enum
 {
-  MAX_BLOCK = 8, /* slabs a task takes at most */
-  BAND = 8       /* light rows a task takes */
+  MAX_BLOCK = 16, /* slabs a task takes at most */
+  BAND = 16       /* light rows a task takes */
 };
 
 /* Picture-sized planes of floats, in this order in chi_march.planes. */

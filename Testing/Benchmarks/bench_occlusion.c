@@ -6,6 +6,7 @@
  * Marschner-Lobb with a moving camera.
  *
  *   bench_occlusion [brain128.raw]        the file that scenes.py writes; without it, no brain
+ *   bench_occlusion --frames              the moving frames alone, for a profile
  *
  * Prints CSV. The error is that of visibility against the exact cone, at bias 0 (see
  * occlusion_reference.h); times are of whole frames in which only the bias moves by nothing.
@@ -357,7 +358,8 @@ int main(int argc, char** argv)
     { "half-plane-30deg", REFERENCE_HALF_PLANE, 30 },
     { "half-plane-60deg", REFERENCE_HALF_PLANE, 60 }, { "balls-30deg", REFERENCE_BALLS, 30 },
     { "balls-60deg", REFERENCE_BALLS, 60 }, { "brain", REFERENCE_RAW, 0 } };
-  for (int k = 0; k < (argc > 1 ? 7 : 6); ++k)
+  const int frames_alone = argc > 1 && strcmp(argv[1], "--frames") == 0;
+  for (int k = 0; k < (frames_alone ? 0 : argc > 1 ? 7 : 6); ++k)
   {
     judged_scene s;
     if (judge(
@@ -378,7 +380,7 @@ int main(int argc, char** argv)
   uint8_t* const scalars = marschner_lobb(256);
   for (int shells = 0; scalars && shells < 2; ++shells)
   {
-    for (int threads = 1; threads <= 2; ++threads)
+    for (int threads = 2; threads >= 1; --threads)
     {
       time_moving(shells, 0, 1, threads, scalars);
       time_moving(shells, 8, 1, threads, scalars);

@@ -101,20 +101,38 @@ CHI_INLINE vf fetch_scalar(
   return low + f[2] * (high - low);
 }
 
-CHI_INLINE void sample_run(
-  chi_sample_row* row, int x_begin, int x_end, const int fetch, const int nearest)
+/* A piece of a row on its way through the stages below. Each stage is a loop of its own: one loop
+ * for all would be a chain of some 300 cycles an iteration, longer than the processor looks ahead.
+ */
+enum
+{
+  PIECE = 128
+};
+
+typedef struct sample_piece
+{
+  float t[PIECE]; /* table position at the far slice; NaN: no sample */
+  int32_t entry[PIECE];
+  float fraction[PIECE]; /* of the segment that lies in the box */
+  int32_t entering[PIECE];
+  float depth[PIECE]; /* optical thickness along the view axis */
+  int32_t color[PIECE];
+} sample_piece;
+
+/* Where the samples lie, which of them anybody needs, and their places in the tables. */
+CHI_INLINE void fetch_piece(chi_sample_row* row, sample_piece* piece, int x_begin, int count,
+  const int fetch, const int nearest)
 {
   const chi_sample_frame* const s = row->frame;
   const vf nan = vf_set(NAN);
   const vf end = vf_set(s->table_end);
   const vi last_entry = vi_set((int32_t)s->table_end);
-  for (int x = x_begin; x < x_end; x += CHI_LANES)
+  for (int i = 0; i < count; i += CHI_LANES)
   {
+    const int x = x_begin + i;
     const vf xs = vf_iota() + (float)x;
-    const vf transmittance = vf_load(row->transmittance + x);
     vi want = vi_set(-1);
-    vf p[3], fraction = vf_set(1.0f);
-    vi entering = vi_set(row->first ? -1 : 0);
+    vf p[3];
     for (int a = 0; a < 3; ++a)
     {
       p[a] = row->position[a] + xs * row->position_x[a];
@@ -126,14 +144,9 @@ CHI_INLINE void sample_run(
       const vf enter = vf_load(row->enter + x), leave = vf_load(row->leave + x);
       const vf near = vf_set(row->near_slice), far = near + 1.0f;
       want = (enter < far) & (leave > near);
-      if (!vi_any(want))
-      {
-        vf_store(row->table_position + x, nan);
-        continue;
-      }
       const vf stop = vf_min(far, leave), start = vf_max(near, enter);
-      fraction = vf_max(stop - start, vf_set(0.0f));
-      entering |= enter > near;
+      vf_store(piece->fraction + i, vf_max(stop - start, vf_set(0.0f)));
+      vi_store(piece->entering + i, (enter > near) | vi_set(row->first ? -1 : 0));
       const vf back = stop - far;
       for (int a = 0; a < 3; ++a)
       {
@@ -151,7 +164,7 @@ CHI_INLINE void sample_run(
     }
     if (!row->saturated_too)
     {
-      want &= transmittance > s->saturated;
+      want &= vf_load(row->transmittance + x) > s->saturated;
     }
     if (row->bricks)
     {
@@ -159,16 +172,15 @@ CHI_INLINE void sample_run(
         (vf_int(p[2]) >> 3) * s->brick_step_z;
       want &= (vi_gather(s->occupied, brick, 1, want) & 255) != 0;
     }
-    if (!vi_any(want))
-    {
-      row->skipped += vi_count(inside);
-      vf_store(row->table_position + x, nan);
-      continue;
-    }
     const int taken = vi_count(want);
     row->taken += taken;
     row->skipped += vi_count(inside) - taken;
-
+    if (taken == 0)
+    {
+      vf_store(piece->t + i, nan);
+      vi_store(piece->entry + i, vi_set(0));
+      continue;
+    }
     const vf scalar = fetch_scalar(s, p, fetch, nearest, want);
     /* x - x is 0 for every finite x: NaN and infinite samples are transparent. */
     const vi finite = (scalar - scalar == 0.0f) & want;
@@ -176,15 +188,31 @@ CHI_INLINE void sample_run(
     t = vf_min(vf_max(t, vf_set(0.0f)), end);
     vi entry = vf_int(t);
     entry -= (entry >= last_entry) & 1; /* the last entry has no interval after it */
+    vf_store(piece->t + i, vf_select(finite, t, nan));
+    vi_store(piece->entry + i, entry & finite);
+  }
+}
+
+/* Mean extinction of every segment, and the optical thickness that it adds. */
+CHI_INLINE void classify_piece(chi_sample_row* row, sample_piece* piece, int x_begin, int count)
+{
+  const chi_sample_frame* const s = row->frame;
+  const vf nan = vf_set(NAN);
+  for (int i = 0; i < count; i += CHI_LANES)
+  {
+    const int x = x_begin + i;
+    const vf t = vf_load(piece->t + i);
+    const vi finite = t == t;
+    const vi entry = vi_load(piece->entry + i);
+    vf parts[4]; /* lanes without a sample read entry 0 */
+    vf_load_entries((const float(*)[4])(const void*)s->sigma, piece->entry + i, parts);
     const vf f = t - vi_float(entry);
-    vf parts[4]; /* lanes that are not wanted have t = 0: any entry may be read */
-    vf_load_entries((const float(*)[4])(const void*)s->sigma, entry, parts);
     const vi sum = (vi)parts[0];
     const vf sigma0 = parts[1], half_slope = parts[2];
     const vf rest = f * (sigma0 + f * half_slope);
 
-    /* Mean extinction of the segment, scalar linear along it: integral over scalar / its change.
-     * Where that hardly changes, the extinction in the middle. */
+    /* Scalar linear along the segment: integral over scalar / its change. Where that hardly
+     * changes, the extinction in the middle. */
     const vf t_before = row->restart ? nan : vf_load(row->table_position + x);
     const vi known = (t_before == t_before) & finite;
     const vf t0 = vf_select(known, t_before, t);
@@ -196,34 +224,46 @@ CHI_INLINE void sample_run(
     vf sigma = vf_select(steep, integral / vf_select(steep, change, vf_set(1.0f)), local);
     /* A ray that begins here has no scalar before; elsewhere an unsampled neighbour was
      * transparent, and its brick's margin covers this segment. */
+    const vi entering = row->enter ? vi_load(piece->entering + i) : vi_set(row->first ? -1 : 0);
     const vi valid = finite & (known | entering);
     sigma = vf_select(valid, vf_max(sigma, vf_set(0.0f)), vf_set(0.0f));
-
-    vf_store(row->table_position + x, vf_select(finite, t, nan));
+    vf_store(row->table_position + x, t);
     vi_store(row->sum + x, sum);
     vf_store(row->rest + x, rest);
+    const vf fraction = row->enter ? vf_load(piece->fraction + i) : vf_set(1.0f);
+    vf_store(piece->depth + i, sigma * (fraction * s->slice));
+    vi_store(piece->color + i, vf_int(vf_select(valid, t - 0.5f * change + 0.5f, vf_set(0.0f))));
+  }
+}
 
-    const vi nonzero = sigma > 0.0f;
-    if (!vi_any(nonzero))
+/* What the eye gets of it. */
+CHI_INLINE void composite_piece(chi_sample_row* row, sample_piece* piece, int x_begin, int count)
+{
+  const chi_sample_frame* const s = row->frame;
+  for (int i = 0; i < count; i += CHI_LANES)
+  {
+    const int x = x_begin + i;
+    vf depth = vf_load(piece->depth + i);
+    if (!vi_any(depth > 0.0f))
     {
       continue;
     }
     row->any_tau = 1;
-    vf depth = sigma * (fraction * s->slice); /* optical thickness along the view axis */
     vf_store(row->tau + x, vf_load(row->tau + x) + depth);
-
     /* The eye sees the part in front of the surface, and nothing where it is dark already. */
     if (row->surface)
     {
+      const vf fraction = row->enter ? vf_load(piece->fraction + i) : vf_set(1.0f);
       const vf free = vf_load(row->surface + x) - row->near_slice;
       depth *= vf_min(vf_max(free, vf_set(0.0f)), fraction) / vf_max(fraction, vf_set(1e-30f));
     }
-    const vi seen = nonzero & (transmittance > s->saturated) & (depth > 0.0f);
+    const vf transmittance = vf_load(row->transmittance + x);
+    const vi seen = (transmittance > s->saturated) & (depth > 0.0f);
     if (!vi_any(seen))
     {
       continue;
     }
-    const vf slope = row->length0 + xs * row->length_x;
+    const vf slope = row->length0 + (vf_iota() + (float)x) * row->length_x;
     const vf tau = depth * vf_sqrt(slope * slope + row->length_c);
     const vf alpha = vf_select(seen, 1.0f - vf_exp_neg(-tau), vf_set(0.0f));
     vf weight = transmittance * alpha;
@@ -233,11 +273,24 @@ CHI_INLINE void sample_run(
       weight *= vf_load(row->visibility + x);
     }
     vf color[4];
-    vf_load_entries(s->rgba, vf_int(t - 0.5f * change + 0.5f), color);
+    vf_load_entries(s->rgba, piece->color + i, color);
     for (int c = 0; c < 3; ++c)
     {
       vf_store(row->color[c] + x, vf_load(row->color[c] + x) + weight * color[c]);
     }
+  }
+}
+
+CHI_INLINE void sample_run(
+  chi_sample_row* row, int x_begin, int x_end, const int fetch, const int nearest)
+{
+  sample_piece piece;
+  for (int x = x_begin; x < x_end; x += PIECE)
+  {
+    const int count = x_end - x < PIECE ? x_end - x : PIECE;
+    fetch_piece(row, &piece, x, count, fetch, nearest);
+    classify_piece(row, &piece, x, count);
+    composite_piece(row, &piece, x, count);
   }
 }
 

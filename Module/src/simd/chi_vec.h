@@ -247,13 +247,12 @@ CHI_INLINE vf vf_add_pairs(vf a, vf b)
 #endif
 }
 
-/* The four floats of table entries index[i], transposed: out[k][i] = table[index[i]][k]. One
- * 16-byte load a lane and shuffles cost half of the gathers that fetch the same. */
-CHI_INLINE void vf_load_entries(const float (*table)[4], vi index, vf out[4])
+/* The four floats of table entries at[i], transposed: out[k][i] = table[at[i]][k]. One 16-byte load
+ * a lane and shuffles cost half of the gathers that fetch the same; indices come from memory,
+ * because taking them out of a vector costs more than the rest. */
+CHI_INLINE void vf_load_entries(const float (*table)[4], const int32_t* at, vf out[4])
 {
 #ifdef CHI_VEC_AVX512
-  int32_t at[CHI_LANES];
-  vi_store(at, index);
   __m512 row[4];
   for (int k = 0; k < 4; ++k)
   {
@@ -271,8 +270,6 @@ CHI_INLINE void vf_load_entries(const float (*table)[4], vi index, vf out[4])
   out[2] = (vf)_mm512_unpacklo_pd(b, d);
   out[3] = (vf)_mm512_unpackhi_pd(b, d);
 #elif defined(CHI_VEC_AVX2)
-  int32_t at[CHI_LANES];
-  vi_store(at, index);
   __m256 row[4];
   for (int k = 0; k < 4; ++k)
   {
@@ -293,7 +290,7 @@ CHI_INLINE void vf_load_entries(const float (*table)[4], vi index, vf out[4])
     float column[CHI_LANES];
     for (int i = 0; i < CHI_LANES; ++i)
     {
-      column[i] = table[index[i]][k];
+      column[i] = table[at[i]][k];
     }
     out[k] = vf_load(column);
   }
