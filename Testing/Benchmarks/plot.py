@@ -1,14 +1,19 @@
 # SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Run time against error, one panel a case: plot.py TABLE.csv PICTURE.png"""
+"""Run time against error, one panel a case: plot.py TABLE.csv PICTURE.png
+
+Rows whose parameter names coefficients and turning get a second picture, PICTURE_coefficients.png: error
+against coefficients, with the turning written at each point."""
 import csv
 import math
+import re
 import sys
 
 import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter  # noqa: E402
 
 
 def number(text):
@@ -16,6 +21,21 @@ def number(text):
         return float(text)
     except ValueError:
         return float("nan")
+
+
+def logarithmic(axes):
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    for axis in (axes.xaxis, axes.yaxis):
+        low, high = axis.get_view_interval()
+        if high > 10 * low:  # within a decade the labels between are needed
+            axis.set_minor_formatter(NullFormatter())
+        else:
+            axis.set_major_formatter(FormatStrFormatter("%g"))
+            axis.set_minor_locator(LogLocator(subs=(2, 3, 5, 7)))
+            axis.set_minor_formatter(FormatStrFormatter("%g"))
+    axes.legend(fontsize=7)
+    axes.grid(True, which="both", alpha=0.2)
 
 
 def panel(axes, rows):
@@ -33,7 +53,8 @@ def panel(axes, rows):
         colors = ["tab:orange" if n.startswith("chi") else "tab:gray" for n in bars]
         axes.barh(range(len(bars)), list(bars.values()), color=colors)
         axes.set_yticks(range(len(bars)), list(bars), fontsize=6)
-        axes.set_xscale("log")
+        if max(bars.values()) > 20 * min(bars.values()):
+            axes.set_xscale("log")  # else from zero, so that lengths compare
         axes.set_xlabel("time / ms")
         return
     for method in methods:
@@ -42,35 +63,63 @@ def panel(axes, rows):
         ours = method.startswith("chi")
         axes.plot([number(r["min_ns"]) * 1e-6 for r in mine], [number(r["error"]) for r in mine],
                   "o" if ours else "x", label=method, markersize=5 if ours else 7)
+        several = len({r["threads"] for r in rows}) > 1
         for r in mine:
-            axes.annotate(r["parameter"], (number(r["min_ns"]) * 1e-6, number(r["error"])), fontsize=5,
-                          xytext=(3, 3), textcoords="offset points")
-    axes.set_xscale("log")
-    axes.set_yscale("log")
+            text = r["parameter"].split(" coefficients=")[0] + (f", {r['threads']} thr." if several else "")
+            axes.annotate(text, (number(r["min_ns"]) * 1e-6, number(r["error"])), fontsize=5,
+                          xytext=(4, 3 if ours else -7), textcoords="offset points")
+    logarithmic(axes)
+    low, high = axes.get_xlim()
+    axes.set_xlim(low / 1.2, high * (high / low) ** 0.5)  # room for the labels
     axes.set_xlabel("time / ms")
     axes.set_ylabel(kind)
-    axes.legend(fontsize=7)
-    axes.grid(True, which="both", alpha=0.2)
+
+
+def named(row, key):
+    """The number behind `key=` in a row's parameter, or NaN."""
+    found = re.search(rf"\b{key}=([-+.\deE]+)", row["parameter"])
+    return number(found.group(1)) if found else math.nan
+
+
+def coefficients_panel(axes, rows):
+    for method in dict.fromkeys(r["method"] for r in rows):
+        mine = [r for r in rows if r["method"] == method]
+        ours = method.startswith("chi")
+        x, y = [named(r, "coefficients") for r in mine], [number(r["error"]) for r in mine]
+        axes.plot(x, y, "o" if ours else "x", label=method, markersize=5 if ours else 7)
+        for r, at in zip(mine, zip(x, y)):
+            axes.annotate(f"{named(r, 'turning'):.3g}", at, fontsize=6, xytext=(4, 3 if ours else -8), textcoords="offset points")
+    logarithmic(axes)
+    axes.set_xlabel("coefficients (numbers: turning over the true one; of a straight line, radians)", fontsize=7)
+    axes.set_ylabel("distance to the true curve")
+
+
+def figure(rows, panels, title, picture):
+    cases = list(dict.fromkeys(r["case"] for r in rows))
+    columns = min(3, len(cases))
+    lines = math.ceil(len(cases) / columns)
+    sheet, axes = plt.subplots(lines, columns, figsize=(5.5 * columns, 4.2 * lines), squeeze=False)
+    for axis in axes.flat[len(cases):]:
+        axis.set_visible(False)
+    for axis, case in zip(axes.flat, cases):
+        panels(axis, [r for r in rows if r["case"] == case])
+        axis.set_title(case, fontsize=9)
+    sheet.suptitle(title)
+    sheet.tight_layout()
+    sheet.savefig(picture, dpi=120)
+    plt.close(sheet)
 
 
 def plot(table, picture):
     with open(table, newline="") as source:
         rows = list(csv.DictReader(source))
-    cases = list(dict.fromkeys(r["case"] for r in rows))
-    if not cases:
+    if not rows:
         return
-    columns = min(3, len(cases))
-    lines = math.ceil(len(cases) / columns)
-    figure, axes = plt.subplots(lines, columns, figsize=(5.5 * columns, 4.2 * lines), squeeze=False)
-    for axis in axes.flat[len(cases):]:
-        axis.set_visible(False)
-    for axis, case in zip(axes.flat, cases):
-        panel(axis, [r for r in rows if r["case"] == case])
-        axis.set_title(case, fontsize=9)
-    figure.suptitle(f"{rows[0]['topic']}: run time against error")
-    figure.tight_layout()
-    figure.savefig(picture, dpi=120)
-    plt.close(figure)
+    figure(rows, panel, f"{rows[0]['topic']}: run time against error", picture)
+    counted = [r for r in rows if named(r, "turning") == named(r, "turning")]
+    if counted:
+        title = f"{rows[0]['topic']}: error against coefficients against turning"
+        figure(counted, coefficients_panel, title, str(picture).replace(".png", "_coefficients.png"))
 
 
 if __name__ == "__main__":
