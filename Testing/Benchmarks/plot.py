@@ -40,10 +40,13 @@ def logarithmic(axes):
 
 def panel(axes, rows):
     """Points of error over time; where a case has no error, bars of time."""
-    # one kind of error a panel: the one that most rows have
+    # one kind of error a panel: the one that most rows have; a method without it shows its own
     kinds = [r["error_kind"] for r in rows if number(r["error"]) > 0]
     kind = max(set(kinds), key=kinds.count) if kinds else ""
-    rows = [r for r in rows if r["error_kind"] == kind] if kind else rows
+    if kind:
+        has = {r["method"] for r in rows if r["error_kind"] == kind}
+        rows = [r if r["method"] in has else {**r, "method": f"{r['method']} ({r['error_kind']})"}
+                for r in rows if r["error_kind"] == kind or r["method"] not in has]
     methods = sorted({r["method"] for r in rows}, key=lambda m: (not m.startswith("chi"), m))
     if not kind:
         bars = {}
