@@ -29,9 +29,10 @@ typedef struct frame_key
   double world_to_eye[16], window[4], near_depth;
   double index_to_world[16];
   double cone_angle, strength, sample_distance, bias, thickness;
+  double geometry_opacity, vicinity_distance, vicinity_bias;
   const void* depth;
   uint64_t surface_version;
-  int64_t integers[12];
+  int64_t integers[13];
 } frame_key;
 
 struct chi_occlusion
@@ -60,7 +61,10 @@ void chi_occlusion_default_params(chi_occlusion_params* params)
       .cone_angle_rad = 0.78539816339744831,
       .strength = 1,
       .bias = -1,
-      .skip = 1 };
+      .skip = 1,
+      .combine = CHI_COMBINE_PRODUCT,
+      .geometry_opacity = 1,
+      .vicinity_samples = 32 };
   }
 }
 
@@ -151,7 +155,11 @@ static int params_are_valid(const chi_occlusion_params* p)
     p->directions >= 1 && p->directions <= CHI_MAX_DIRECTIONS &&
     p->cone_angle_rad >= 0.999999 * degree && p->cone_angle_rad <= 85.000001 * degree &&
     p->strength >= 0 && p->strength <= 1 && p->sample_distance >= 0 &&
-    isfinite(p->sample_distance) && isfinite(p->bias) && p->geometry_thickness >= 0;
+    isfinite(p->sample_distance) && isfinite(p->bias) && p->geometry_thickness >= 0 &&
+    (p->combine == CHI_COMBINE_PRODUCT || p->combine == CHI_COMBINE_MINIMUM) &&
+    p->geometry_opacity >= 0 && p->geometry_opacity <= 1 && p->vicinity_samples >= 0 &&
+    p->vicinity_samples <= CHI_MAX_VICINITY_SAMPLES && p->vicinity_distance >= 0 &&
+    isfinite(p->vicinity_distance) && p->vicinity_bias >= 0 && isfinite(p->vicinity_bias);
 }
 
 static chi_status check_frame(const chi_occlusion_frame* frame)
@@ -208,6 +216,9 @@ static frame_key key_of_frame(const chi_occlusion_frame* frame)
   key.sample_distance = p->sample_distance;
   key.bias = p->bias;
   key.thickness = p->geometry_thickness;
+  key.geometry_opacity = p->geometry_opacity;
+  key.vicinity_distance = p->vicinity_distance;
+  key.vicinity_bias = p->vicinity_bias;
   if (frame->volume)
   {
     memcpy(key.index_to_world, frame->volume->index_to_world, sizeof key.index_to_world);
@@ -219,7 +230,7 @@ static frame_key key_of_frame(const chi_occlusion_frame* frame)
   }
   const int64_t integers[] = { c->parallel, c->width, c->height, p->method, p->directions,
     p->half_size, p->interactions, p->skip, frame->volume != NULL, frame->surface != NULL,
-    frame->volume ? frame->volume->is_cell_data : 0 };
+    frame->volume ? frame->volume->is_cell_data : 0, p->combine, p->vicinity_samples };
   memcpy(key.integers, integers, sizeof integers);
   return key;
 }

@@ -106,6 +106,15 @@ chi_status chi_surface_intervals(const chi_exec* exec, const chi_scene* scene,
   const chi_surface_view* surface, double thickness, size_t stride, size_t padded,
   float* slice_depth, float* receiver, float* begin, float* end);
 
+enum
+{
+  CHI_MAX_VICINITY_SAMPLES = 118 /* Schott et al. 2013, section 3.2.5 */
+};
+
+/* Combine the visibilities of surfaces, before strength, with what their vicinity leaves. */
+chi_status chi_vicinity(const chi_exec* exec, const chi_scene* scene,
+  const chi_surface_view* surface, const chi_occlusion_params* params, float* visibility);
+
 /* Light that travels for one kind of receiver. */
 typedef struct chi_light_field
 {

@@ -245,6 +245,17 @@ static void store_rows(void* data, size_t begin, size_t end)
   }
 }
 
+static void apply_strength(void* data, size_t begin, size_t end)
+{
+  const march* const m = ((march* const*)data)[0];
+  float* const visibility = ((float* const*)data)[1];
+  const size_t width = (size_t)m->scene->width;
+  for (size_t i = begin * width; i < end * width; ++i)
+  {
+    visibility[i] = 1 - m->strength * (1 - visibility[i]);
+  }
+}
+
 chi_status chi_march_run(const chi_exec* exec, chi_march* keep, const chi_scene* scene,
   const chi_bricks* bricks, const chi_classification* classification,
   const chi_occlusion_frame* frame, float* rgba, float* visibility, chi_march_result* result)
@@ -304,6 +315,13 @@ chi_status chi_march_run(const chi_exec* exec, chi_march* keep, const chi_scene*
   {
     void* outputs[3] = { &m, rgba, visibility };
     status = chi_for(exec, (size_t)scene->height, store_rows, outputs);
+  }
+  if (status == CHI_OK && frame->surface && m.shaded)
+  {
+    status = chi_vicinity(exec, scene, frame->surface, frame->params, visibility);
+    void* outputs[2] = { &m, visibility };
+    status =
+      status == CHI_OK ? chi_for(exec, (size_t)scene->height, apply_strength, outputs) : status;
   }
   result->seconds_slices = chi_seconds() - t1;
   result->samples = m.samples;

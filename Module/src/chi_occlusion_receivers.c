@@ -45,6 +45,16 @@ void chi_march_gather_ranges(void* data, size_t begin, size_t end)
   }
 }
 
+/* Share of the light that one slab of a surface's interval blocks, so that all of them block the
+ * geometry's opacity; the one of every slab where they never end (Algorithm 3). */
+static float opacity_of(const march* m, float begin, float end)
+{
+  const float opacity = (float)m->frame->params->geometry_opacity;
+  const float slabs = floorf(end) - floorf(begin) + 1;
+  return opacity == 1 || opacity == 0 || !(end < INFINITY) ? opacity
+                                                           : 1 - powf(1 - opacity, 1 / slabs);
+}
+
 /* Transmittance of the geometry in a slab, a segment of light pixels; 0 when nothing blocks. */
 int chi_march_block_light(const march* m, int64_t slab, int64_t by, int segment, float* out)
 {
@@ -67,7 +77,8 @@ int chi_march_block_light(const march* m, int64_t slab, int64_t by, int segment,
     for (int64_t i = 0; i < CHI_SEGMENT * s->scale && x0 + i < s->width; ++i)
     {
       const int blocked = begin[x0 + i] < (float)(slab + 1) && end[x0 + i] >= (float)slab;
-      out[i / s->scale] -= blocked ? share : 0;
+      const float opacity = blocked ? share * opacity_of(m, begin[x0 + i], end[x0 + i]) : 0;
+      out[i / s->scale] -= opacity;
     }
   }
   return 1;
@@ -158,7 +169,7 @@ static void light_surface(const march* m, int64_t y, int64_t x)
   const double plane = chi_march_receiver_plane(s, (double)picture(m, RECEIVER, y)[x]);
   const double v = visibility_at(m, &m->keep->field[m->surface_field], plane,
     to_light(s, (double)x + 0.5), to_light(s, (double)y + 0.5));
-  picture(m, SURFACE_VISIBILITY, y)[x] = (float)(1 - (double)m->strength * (1 - v));
+  picture(m, SURFACE_VISIBILITY, y)[x] = (float)v;
 }
 
 /* Surfaces of one light row whose planes are complete in this step. */

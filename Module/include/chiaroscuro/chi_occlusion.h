@@ -41,6 +41,13 @@ enum
   CHI_ALL_INTERACTIONS = 15
 };
 
+/** How a surface's light from the planes (partial) and from its vicinity become one. */
+enum
+{
+  CHI_COMBINE_PRODUCT = 0, /**< Schott et al. 2013, Eq. 8 */
+  CHI_COMBINE_MINIMUM = 1  /**< Eq. 7 */
+};
+
 typedef struct chi_occlusion_params
 {
   size_t struct_size;
@@ -58,7 +65,17 @@ typedef struct chi_occlusion_params
   double geometry_thickness; /**< geometry blocks the light so far behind its surface, world units;
                                   0 = one slab (default), INFINITY = Algorithm 3 of the paper */
   int32_t skip;              /**< 0: take every sample and every light tile (tests); default 1 */
+  int32_t combine;           /**< CHI_COMBINE_...; default product */
+  double geometry_opacity;  /**< share of the light that geometry blocks, 0 ... 1; default 1. Over a
+                               finite thickness in all, over an infinite one in every slab */
+  int32_t vicinity_samples; /**< of surfaces by surfaces nearby, 0 (none) ... 118; default 32. Part
+                               of CHI_GEOMETRY_TO_GEOMETRY */
   int32_t reserved;
+  double vicinity_distance; /**< l_vicinity of Schott et al. 2013, world units: the radius is l tan
+                               of the cone's angle; 0 = none (default) */
+  double vicinity_bias;     /**< > 0: a neighbour blocks when nearer than the surface less so much,
+                               world     units, however near (the paper's rule); 0 = against the surface's
+                               tangent     plane, and up to l_vicinity (default) */
 } chi_occlusion_params;
 
 /** Visibility at chosen points, for tests and for users who measure. */
@@ -89,7 +106,8 @@ typedef struct chi_occlusion_image
   int32_t width, height;
   const float* rgba;       /**< [height x width x 4] the volume alone: premultiplied colour, alpha;
                                 in front of the surface where there is one */
-  const float* visibility; /**< [height x width] of the surface after strength: its ambient and
+  const float* visibility; /**< [height x width] of the surface, planes and vicinity combined, after
+                                strength: its ambient and
                                 diffuse colour is to be multiplied by it; 1 where there is none */
 } chi_occlusion_image;
 

@@ -1,0 +1,128 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+
+/*
+ * Vicinity occlusion: what surfaces within a few pixels take from a surface's light, of the details
+ * that the light planes are too coarse for. Schott et al. 2013, section 3.2.5, Algorithm 5, Eqs
+ * 4-6; the prose's sign of the bias. Documentation/theory/occlusion.md says how the automatic rule
+ * differs.
+ */
+
+#include "chi_occlusion_internal.h"
+
+#include <math.h>
+
+typedef struct vicinity_job
+{
+  const chi_exec* exec;
+  const chi_scene* scene;
+  const float* depth;
+  const chi_occlusion_params* params;
+  double pixels[2]; /* pixels a world unit (parallel), or a unit of slope */
+  double radius;    /* world units */
+  double disc[CHI_MAX_VICINITY_SAMPLES][2];
+  float* visibility;
+} vicinity_job;
+
+/* Depth of a pixel, INFINITY where there is none. */
+static double depth_at(const vicinity_job* it, int64_t x, int64_t y)
+{
+  const chi_scene* const s = it->scene;
+  if (x < 0 || y < 0 || x >= s->width || y >= s->height)
+  {
+    return INFINITY;
+  }
+  const double z = (double)it->depth[x + (int64_t)s->width * y];
+  return z > 0 ? z : INFINITY;
+}
+
+/* Rise of the surface's own tangent plane a pixel: the flatter of both sides, so that the step to
+ * another surface does not count. */
+static double slope_at(
+  const vicinity_job* it, int64_t x, int64_t y, int64_t dx, int64_t dy, double z)
+{
+  const double after = depth_at(it, x + dx, y + dy) - z, before = z - depth_at(it, x - dx, y - dy);
+  const double slope = fabs(after) < fabs(before) ? after : before;
+  return isfinite(slope) ? slope : 0;
+}
+
+/* How far a neighbour blocks, 0 to 1; `lead`: by how much it is nearer to the eye. */
+static double blocks(const vicinity_job* it, double lead)
+{
+  const chi_occlusion_params* const p = it->params;
+  if (p->vicinity_bias > 0)
+  {
+    return lead > p->vicinity_bias ? 1 : 0;
+  }
+  /* A twentieth of the radius covers what curvature and steps of depth leave of a smooth surface.
+   * Blockers farther off than the virtual slice are the light planes' part; between one and two
+   * slices one hands over to the other. */
+  const double far = 2 - lead / p->vicinity_distance;
+  return lead > 0.05 * it->radius ? (far < 0 ? 0 : far < 1 ? far : 1) : 0;
+}
+
+static double vicinity(const vicinity_job* it, int64_t x, int64_t y, double z)
+{
+  const int count = it->params->vicinity_samples, plane = !(it->params->vicinity_bias > 0);
+  const double scale = it->scene->parallel ? it->radius : it->radius / z;
+  const double reach[2] = { it->pixels[0] * scale, it->pixels[1] * scale };
+  const double slope_x = plane ? slope_at(it, x, y, 1, 0, z) : 0;
+  const double slope_y = plane ? slope_at(it, x, y, 0, 1, z) : 0;
+  double blocked = 0;
+  for (int k = 0; k < count; ++k)
+  {
+    const double dx = floor(it->disc[k][0] * reach[0] + 0.5);
+    const double dy = floor(it->disc[k][1] * reach[1] + 0.5);
+    if (fabs(dx) < it->scene->width && fabs(dy) < it->scene->height)
+    {
+      const double expected = z + dx * slope_x + dy * slope_y;
+      blocked += blocks(it, expected - depth_at(it, x + (int64_t)dx, y + (int64_t)dy));
+    }
+  }
+  return 1 - blocked / count;
+}
+
+static void combine_rows(void* data, size_t begin, size_t end)
+{
+  const vicinity_job* const it = (const vicinity_job*)data;
+  const int64_t width = it->scene->width;
+  for (int64_t y = (int64_t)begin; y < (int64_t)end && !chi_is_cancelled(it->exec); ++y)
+  {
+    for (int64_t x = 0; x < width; ++x)
+    {
+      const double z = depth_at(it, x, y);
+      if (z < INFINITY)
+      {
+        float* const v = it->visibility + y * width + x;
+        const double partial = (double)*v, near = vicinity(it, x, y, z);
+        *v = (float)(it->params->combine == CHI_COMBINE_MINIMUM ? fmin(partial, near) /* Eq. 7 */
+                                                                : partial * near);    /* Eq. 8 */
+      }
+    }
+  }
+}
+
+chi_status chi_vicinity(const chi_exec* exec, const chi_scene* scene,
+  const chi_surface_view* surface, const chi_occlusion_params* params, float* visibility)
+{
+  if (params->vicinity_samples == 0 || !(params->vicinity_distance > 0) ||
+    !(params->interactions & CHI_GEOMETRY_TO_GEOMETRY))
+  {
+    return CHI_OK;
+  }
+  vicinity_job job = { .exec = exec,
+    .scene = scene,
+    .depth = surface->depth,
+    .params = params,
+    .pixels = { scene->pixels_x * scene->scale, scene->pixels_y * scene->scale },
+    .radius = params->vicinity_distance * tan(params->cone_angle_rad),
+    .visibility = visibility };
+  for (int k = 0; k < params->vicinity_samples; ++k)
+  {
+    /* Equal areas along the golden spiral (Vogel 1979) in place of a table of Poisson's */
+    const double r = sqrt((k + 0.5) / params->vicinity_samples), turn = 2.39996322972865332 * k;
+    job.disc[k][0] = r * cos(turn);
+    job.disc[k][1] = r * sin(turn);
+  }
+  return chi_for(exec, (size_t)scene->height, combine_rows, &job);
+}
