@@ -36,6 +36,7 @@
 #include "vtkWeakPointer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <set>
 #include <string>
@@ -51,6 +52,7 @@ struct vtkChiCombinedOcclusionVolumeMapper::Internals
   vtkChiCameraView Camera;
   chi_occlusion_params Params = {};
   int Viewport[4] = { 0, 0, 0, 0 };
+  double Diagonal = 0.0; // of the volume, in view or not; 0 without one
   bool HasVolume = false;
   bool HasSurface = false;
   bool Peeling = false; // called by the depth peeling pass, several times a frame
@@ -114,6 +116,37 @@ int countOcclusionVolumes(vtkRenderer* renderer)
 }
 
 //------------------------------------------------------------------------------
+// World units; of a sheared box the root of its edges' squares.
+double diagonalOf(const chi_volume_view& volume)
+{
+  double square = 0.0;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    const double cells =
+      static_cast<double>(volume.dimensions[axis]) - (volume.is_cell_data ? 0.0 : 1.0);
+    for (int row = 0; row < 3; ++row)
+    {
+      const double edge = volume.index_to_world[4 * row + axis] * cells;
+      square += edge * edge;
+    }
+  }
+  return std::sqrt(square);
+}
+
+//------------------------------------------------------------------------------
+double diagonalOfProps(vtkRenderer* renderer)
+{
+  double bounds[6];
+  renderer->ComputeVisiblePropBounds(bounds);
+  const double diagonal = vtkMath::AreBoundsInitialized(bounds)
+    ? std::sqrt((bounds[1] - bounds[0]) * (bounds[1] - bounds[0]) +
+        (bounds[3] - bounds[2]) * (bounds[3] - bounds[2]) +
+        (bounds[5] - bounds[4]) * (bounds[5] - bounds[4]))
+    : 0.0;
+  return std::isfinite(diagonal) ? diagonal : 0.0;
+}
+
+//------------------------------------------------------------------------------
 vtkFloatArray* allocateImage(
   vtkImageData* image, int width, int height, int components, const char* name)
 {
@@ -146,6 +179,19 @@ void vtkChiCombinedOcclusionVolumeMapper::SetGeometryOcclusion(bool on)
   this->SetVolumeToGeometry(on);
   this->SetGeometryToVolume(on);
   this->SetGeometryToGeometry(on);
+}
+
+//------------------------------------------------------------------------------
+void vtkChiCombinedOcclusionVolumeMapper::ApplyPublishedPreset()
+{
+  this->SetOcclusionMethodToPublished();
+  this->SetOcclusionResolutionToFull();
+  this->SetOcclusionBias(0.0);
+  this->SetGeometryThicknessToInfinity();
+  this->VicinityOcclusionOn();
+  this->SetVicinityDepthBias(0.0);
+  this->SetNumberOfVicinitySamples(81);
+  this->SetCombineModeToProduct();
 }
 
 //------------------------------------------------------------------------------
@@ -238,6 +284,7 @@ bool vtkChiCombinedOcclusionVolumeMapper::Collect(vtkRenderer* renderer, vtkVolu
   {
     this->SayOnce(limit.c_str());
   }
+  in.Diagonal = in.HasVolume ? diagonalOf(*in.Input.GetVolume()) : 0.0;
   if (in.HasVolume)
   {
     this->CollectUnsupported(volume);
@@ -310,6 +357,14 @@ void vtkChiCombinedOcclusionVolumeMapper::CollectParameters()
     ? std::numeric_limits<double>::infinity()
     : this->GeometryThickness;
   params.skip = this->Skipping ? 1 : 0;
+  params.geometry_opacity = this->GeometryOpacity;
+  params.combine = this->CombineMode == COMBINE_MINIMUM ? CHI_COMBINE_MINIMUM : CHI_COMBINE_PRODUCT;
+  params.vicinity_samples = this->VicinityOcclusion ? this->NumberOfVicinitySamples : 0;
+  params.vicinity_distance =
+    this->VicinityDistance * (in.Diagonal > 0.0 ? in.Diagonal : diagonalOfProps(in.Scene));
+  params.vicinity_bias = this->VicinityDepthBias == 0.0 && this->OcclusionMethod == PUBLISHED
+    ? 0.1 * params.vicinity_distance
+    : this->VicinityDepthBias;
 }
 
 //------------------------------------------------------------------------------
@@ -630,6 +685,13 @@ void vtkChiCombinedOcclusionVolumeMapper::PrintSelf(ostream& os, vtkIndent inden
   os << indent << "OcclusionStrength: " << this->OcclusionStrength << "\n";
   os << indent << "OcclusionBias: " << this->OcclusionBias << "\n";
   os << indent << "GeometryThickness: " << this->GeometryThickness << "\n";
+  os << indent << "GeometryOpacity: " << this->GeometryOpacity << "\n";
+  os << indent << "VicinityOcclusion: " << this->VicinityOcclusion << "\n";
+  os << indent << "VicinityDistance: " << this->VicinityDistance << "\n";
+  os << indent << "VicinityDepthBias: " << this->VicinityDepthBias << "\n";
+  os << indent << "NumberOfVicinitySamples: " << this->NumberOfVicinitySamples << "\n";
+  os << indent << "CombineMode: " << (this->CombineMode == COMBINE_MINIMUM ? "Minimum" : "Product")
+     << "\n";
   os << indent << "OcclusionResolution: " << (this->OcclusionResolution == HALF ? "Half" : "Full")
      << "\n";
   os << indent

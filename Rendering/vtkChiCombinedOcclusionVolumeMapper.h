@@ -74,6 +74,11 @@ public:
     FULL = 0,
     HALF = 1
   };
+  enum CombineModes
+  {
+    COMBINE_PRODUCT = 0,
+    COMBINE_MINIMUM = 1
+  };
   enum Engines
   {
     ENGINE_AUTO = 0,
@@ -140,6 +145,75 @@ public:
   vtkGetMacro(GeometryThickness, double);
   void SetGeometryThicknessToInfinity() { this->SetGeometryThickness(VTK_DOUBLE_MAX); }
   ///@}
+
+  ///@{
+  /**
+   * Share of the light that opaque geometry blocks, 0 to 1: over its thickness in all, or, where
+   * that is infinite, in every slice behind it. Default 1. (Schott et al. 2013, algorithm 3)
+   */
+  vtkSetClampMacro(GeometryOpacity, double, 0.0, 1.0);
+  vtkGetMacro(GeometryOpacity, double);
+  ///@}
+
+  ///@{
+  /**
+   * Darken geometry by the geometry around it within a few pixels too, of which the light buffers
+   * are too coarse: crevices between fibres, contacts. Default on; part of GeometryToGeometry.
+   * (Schott et al. 2013, section 3.2.5)
+   */
+  vtkSetMacro(VicinityOcclusion, bool);
+  vtkGetMacro(VicinityOcclusion, bool);
+  vtkBooleanMacro(VicinityOcclusion, bool);
+  ///@}
+
+  ///@{
+  /**
+   * Distance l of the virtual slice whose cone base, of radius l tan(ConeAngle), is the vicinity: a
+   * fraction of the volume's diagonal, or, without a volume, of the diagonal of the visible props'
+   * bounds. Default 0.005.
+   */
+  vtkSetClampMacro(VicinityDistance, double, 0.0, 1.0);
+  vtkGetMacro(VicinityDistance, double);
+  ///@}
+
+  ///@{
+  /**
+   * A neighbour blocks light when it is nearer to the eye than the surface by more than this, world
+   * units, however much nearer: the published rule, which darkens tilted surfaces and gives all
+   * fibres halos. 0, the default, compares with the surface's tangent plane and leaves what is
+   * farther ahead than the virtual slice to the light buffers; with the published occlusion method
+   * it stands for the published rule at a tenth of the virtual slice's distance.
+   */
+  vtkSetClampMacro(VicinityDepthBias, double, 0.0, VTK_DOUBLE_MAX);
+  vtkGetMacro(VicinityDepthBias, double);
+  ///@}
+
+  ///@{
+  /**
+   * Number of neighbours that are looked at, 0 to 118. Default 32.
+   */
+  vtkSetClampMacro(NumberOfVicinitySamples, int, 0, 118);
+  vtkGetMacro(NumberOfVicinitySamples, int);
+  ///@}
+
+  ///@{
+  /**
+   * How the light that the volume and far geometry leave and the one that the vicinity leaves
+   * become one: their product (default, equation 8), or the smaller (equation 7), which loses the
+   * vicinity's detail in the volume's shadow.
+   */
+  vtkSetClampMacro(CombineMode, int, COMBINE_PRODUCT, COMBINE_MINIMUM);
+  vtkGetMacro(CombineMode, int);
+  void SetCombineModeToProduct() { this->SetCombineMode(COMBINE_PRODUCT); }
+  void SetCombineModeToMinimum() { this->SetCombineMode(COMBINE_MINIMUM); }
+  ///@}
+
+  /**
+   * The settings of Schott et al. 2013: the published blur at full resolution, vicinity occlusion
+   * with 81 samples by the published rule, product, infinite geometry thickness and an occlusion
+   * bias of 0. Everything else stays as it is.
+   */
+  void ApplyPublishedPreset();
 
   ///@{
   /**
@@ -296,6 +370,12 @@ protected:
   double OcclusionStrength = 1.0;
   double OcclusionBias = -1.0;
   double GeometryThickness = 0.0;
+  double GeometryOpacity = 1.0;
+  bool VicinityOcclusion = true;
+  double VicinityDistance = 0.005;
+  double VicinityDepthBias = 0.0;
+  int NumberOfVicinitySamples = 32;
+  int CombineMode = COMBINE_PRODUCT;
   int OcclusionResolution = HALF;
   int OcclusionMethod = ORDINATES;
   int Engine = ENGINE_AUTO;

@@ -46,19 +46,21 @@ static double slope_at(
   return isfinite(slope) ? slope : 0;
 }
 
-/* How far a neighbour blocks, 0 to 1; `lead`: by how much it is nearer to the eye. */
-static double blocks(const vicinity_job* it, double lead)
+/* How far a neighbour blocks, 0 to 1; `lead`: by how much it is nearer to the eye than the tangent
+ * plane, which rises by `rise` on the way. */
+static double blocks(const vicinity_job* it, double lead, double rise)
 {
   const chi_occlusion_params* const p = it->params;
   if (p->vicinity_bias > 0)
   {
     return lead > p->vicinity_bias ? 1 : 0;
   }
-  /* A twentieth of the radius covers what curvature and steps of depth leave of a smooth surface.
-   * Blockers farther off than the virtual slice are the light planes' part; between one and two
-   * slices one hands over to the other. */
+  /* A twentieth of the radius covers what curvature and steps of depth leave of a smooth surface, a
+   * fifth of the rise what is wrong with the plane of a curved surface's steep rim. Blockers
+   * farther off than the virtual slice are the light planes' part; between one and two slices one
+   * hands over to the other. */
   const double far = 2 - lead / p->vicinity_distance;
-  return lead > 0.05 * it->radius ? (far < 0 ? 0 : far < 1 ? far : 1) : 0;
+  return lead > 0.05 * it->radius + 0.2 * rise ? (far < 0 ? 0 : far < 1 ? far : 1) : 0;
 }
 
 static double vicinity(const vicinity_job* it, int64_t x, int64_t y, double z)
@@ -76,7 +78,8 @@ static double vicinity(const vicinity_job* it, int64_t x, int64_t y, double z)
     if (fabs(dx) < it->scene->width && fabs(dy) < it->scene->height)
     {
       const double expected = z + dx * slope_x + dy * slope_y;
-      blocked += blocks(it, expected - depth_at(it, x + (int64_t)dx, y + (int64_t)dy));
+      const double rise = fabs(dx * slope_x) + fabs(dy * slope_y);
+      blocked += blocks(it, expected - depth_at(it, x + (int64_t)dx, y + (int64_t)dy), rise);
     }
   }
   return 1 - blocked / count;
