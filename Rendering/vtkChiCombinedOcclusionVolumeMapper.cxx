@@ -439,10 +439,13 @@ void vtkChiCombinedOcclusionVolumeMapper::Composite(vtkRenderer* renderer, vtkVo
   in.LastMerged = merge;
   if (merge)
   {
-    in.Frame->MergeLastLayer(in.Merged);
+    std::vector<float> specular;
+    geometry->ReadSpecular(vtkOpenGLRenderWindow::SafeDownCast(in.Window), specular);
+    in.Frame->MergeLastLayer(in.Merged, specular);
     picture.Rgba = in.Merged.empty() ? in.Image.rgba : in.Merged.data();
   }
   picture.Surface = geometry->GetView() ? geometry->GetColor() : nullptr;
+  picture.Specular = merge && !in.Merged.empty() ? nullptr : geometry->GetSpecular();
   picture.First = in.First;
   picture.Peeling = in.Peeling;
   if (!in.Compositor.Draw(renderer, picture))
@@ -526,6 +529,8 @@ bool vtkChiCombinedOcclusionVolumeMapper::GetFloatImage(vtkImageData* image)
     allocateImage(image, 0, 0, 4, "RGBA");
     return false;
   }
+  std::vector<float> specular;
+  geometry->ReadSpecular(vtkOpenGLRenderWindow::SafeDownCast(in.Window), specular);
   for (vtkIdType pixel = 0; pixel < pixels; ++pixel)
   {
     const float* lit = surface.data() + 4 * pixel;
@@ -535,7 +540,8 @@ bool vtkChiCombinedOcclusionVolumeMapper::GetFloatImage(vtkImageData* image)
       const float through = 1.0f - target[3];
       for (int c = 0; c < 3; ++c)
       {
-        target[c] += through * from.visibility[pixel] * lit[c];
+        const float highlight = specular.empty() ? 0.0f : specular[4 * pixel + c];
+        target[c] += through * (from.visibility[pixel] * (lit[c] - highlight) + highlight);
       }
       target[3] = 1.0f;
     }

@@ -158,26 +158,32 @@ void vtkChiCompositor::DrawQuad(vtkRenderer* renderer, const Picture& picture)
   state->vtkglDepthMask(GL_FALSE);
   state->vtkglDisable(GL_CULL_FACE);
 
-  const int count = picture.Surface ? 3 : 2;
-  vtkTextureObject* textures[3] = { this->Layer, this->Visibility, picture.Surface };
-  const char* names[3] = { "layerTexture", "visibilityTexture", "surfaceTexture" };
+  // a texture that is missing is declared in the shader, but not read
+  vtkTextureObject* textures[4] = { this->Layer, this->Visibility, picture.Surface,
+    picture.Surface ? picture.Specular : nullptr };
+  const char* names[4] = { "layerTexture", "visibilityTexture", "surfaceTexture",
+    "specularTexture" };
   vtkShaderProgram* program = this->Quad->Program;
-  for (int i = 0; i < count; ++i)
+  for (int i = 0; i < 4; ++i)
   {
-    textures[i]->Activate();
-    program->SetUniformi(names[i], textures[i]->GetTextureUnit());
+    vtkTextureObject* texture = textures[i];
+    if (texture)
+    {
+      texture->Activate();
+    }
+    program->SetUniformi(names[i], (texture ? texture : this->Layer)->GetTextureUnit());
   }
-  if (!picture.Surface)
-  {
-    program->SetUniformi(names[2], this->Layer->GetTextureUnit()); // declared, not read
-  }
+  program->SetUniformi("hasSpecular", textures[3] ? 1 : 0);
   program->SetUniformi("hasSurface", picture.Surface ? 1 : 0);
   program->SetUniformi(
     "rewriteSurface", picture.Surface && picture.First && mayRewriteSurface(renderer) ? 1 : 0);
   this->Quad->Render();
-  for (int i = 0; i < count; ++i)
+  for (vtkTextureObject* texture : textures)
   {
-    textures[i]->Deactivate();
+    if (texture)
+    {
+      texture->Deactivate();
+    }
   }
   state->vtkglBlendEquationSeparate(
     static_cast<unsigned int>(equation[0]), static_cast<unsigned int>(equation[1]));

@@ -21,12 +21,13 @@ public:
   {
     int Width = 0;
     int Height = 0;
-    const float* Rgba = nullptr;         // [height x width x 4] premultiplied
-    const float* Visibility = nullptr;   // [height x width] of the opaque geometry
-    vtkTextureObject* Surface = nullptr; // lit colours of the opaque geometry; null: there is none
-    bool Unchanged = false;              // the same floats as in the last call
-    bool First = false;                  // nobody has shaded the geometry in this frame
-    bool Peeling = false;                // a buffer of the depth peeling pass is bound
+    const float* Rgba = nullptr;          // [height x width x 4] premultiplied
+    const float* Visibility = nullptr;    // [height x width] of the opaque geometry
+    vtkTextureObject* Surface = nullptr;  // lit colours of the opaque geometry; null: there is none
+    vtkTextureObject* Specular = nullptr; // part of these that occlusion does not take; null: none
+    bool Unchanged = false;               // the same floats as in the last call
+    bool First = false;                   // nobody has shaded the geometry in this frame
+    bool Peeling = false;                 // a buffer of the depth peeling pass is bound
   };
 
   vtkChiCompositor();

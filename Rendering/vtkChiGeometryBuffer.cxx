@@ -7,8 +7,6 @@
 #endif
 #include "vtkChiGeometryBuffer.h"
 
-#include "vtkChiNormalPass.h"
-
 #include "vtkActor.h"
 #include "vtkActor2D.h"
 #include "vtkAlgorithm.h"
@@ -139,6 +137,20 @@ void appendProp(vtkProp* prop, std::vector<std::uint64_t>& key)
     }
   }
 }
+
+// Whether any part of a prop is lit with highlights.
+bool hasSpecular(vtkProp* prop)
+{
+  bool any = false;
+  prop->InitPathTraversal();
+  while (vtkAssemblyPath* path = prop->GetNextPath())
+  {
+    vtkActor* part = vtkActor::SafeDownCast(path->GetLastNode()->GetViewProp());
+    any = any ||
+      (part && part->GetProperty()->GetLighting() && part->GetProperty()->GetSpecular() > 0.0);
+  }
+  return any;
+}
 }
 
 //------------------------------------------------------------------------------
@@ -207,6 +219,7 @@ bool vtkChiGeometryBuffer::Update(
   {
     this->Key.clear();
     this->AnySurface = false;
+    this->AnySpecular = false;
     return false;
   }
   std::vector<std::uint64_t> key = this->MakeKey(renderer, camera);
@@ -222,6 +235,7 @@ bool vtkChiGeometryBuffer::Update(
 
   const double start = vtkTimerLog::GetUniversalTime();
   this->Draw(renderer, window);
+  this->DrawSpecular(renderer, window);
   this->ConvertDepth(camera);
   this->SecondsReadBack = vtkTimerLog::GetUniversalTime() - start - this->SecondsDraw;
   this->Key = std::move(key);
@@ -304,6 +318,25 @@ void vtkChiGeometryBuffer::Draw(vtkRenderer* renderer, vtkOpenGLRenderWindow* wi
 }
 
 //------------------------------------------------------------------------------
+// The highlights apart, where there are any, because occlusion does not take them (Schott et al.
+// 2013, Eq. 9).
+void vtkChiGeometryBuffer::DrawSpecular(vtkRenderer* renderer, vtkOpenGLRenderWindow* window)
+{
+  this->AnySpecular = std::any_of(this->Props.begin(), this->Props.end(), hasSpecular);
+  if (!this->AnySpecular)
+  {
+    return;
+  }
+  const double start = vtkTimerLog::GetUniversalTime();
+  vtkRenderState state(renderer);
+  state.SetPropArrayAndCount(this->Props.data(), static_cast<int>(this->Props.size()));
+  this->SpecularPass->SetOutput(vtkChiGeometryPass::SPECULAR);
+  this->DrawInto(
+    window, this->Specular, [this, &state] { this->SpecularPass->Render(&state); }, [] {});
+  this->SecondsDraw += vtkTimerLog::GetUniversalTime() - start;
+}
+
+//------------------------------------------------------------------------------
 bool vtkChiGeometryBuffer::ReadNormals(vtkRenderer* renderer, std::vector<float>& normals)
 {
   vtkOpenGLRenderWindow* window =
@@ -319,7 +352,7 @@ bool vtkChiGeometryBuffer::ReadNormals(vtkRenderer* renderer, std::vector<float>
   normals.resize(
     4 * static_cast<std::size_t>(this->Width) * static_cast<std::size_t>(this->Height));
   vtkNew<vtkTextureObject> texture;
-  vtkNew<vtkChiNormalPass> pass;
+  vtkNew<vtkChiGeometryPass> pass;
   this->DrawInto(
     window, texture, [&pass, &state] { pass->Render(&state); },
     [this, &normals]
@@ -360,7 +393,20 @@ void vtkChiGeometryBuffer::ConvertDepth(const vtkChiCameraView& camera)
 //------------------------------------------------------------------------------
 bool vtkChiGeometryBuffer::ReadColor(vtkOpenGLRenderWindow* window, std::vector<float>& rgba)
 {
-  if (!window || this->Color->GetHandle() == 0)
+  return this->Read(window, this->Color, rgba);
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiGeometryBuffer::ReadSpecular(vtkOpenGLRenderWindow* window, std::vector<float>& rgba)
+{
+  return this->AnySpecular && this->Read(window, this->Specular, rgba);
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiGeometryBuffer::Read(
+  vtkOpenGLRenderWindow* window, vtkTextureObject* from, std::vector<float>& rgba)
+{
+  if (!window || from->GetHandle() == 0)
   {
     return false;
   }
@@ -369,7 +415,7 @@ bool vtkChiGeometryBuffer::ReadColor(vtkOpenGLRenderWindow* window, std::vector<
   rgba.resize(4 * static_cast<std::size_t>(this->Width) * static_cast<std::size_t>(this->Height));
   state->PushFramebufferBindings();
   this->Target->Bind();
-  this->Target->AddColorAttachment(0, this->Color);
+  this->Target->AddColorAttachment(0, from);
   this->Target->ActivateDrawBuffer(0);
   this->Target->ActivateReadBuffer(0);
   glReadPixels(0, 0, this->Width, this->Height, GL_RGBA, GL_FLOAT, rgba.data());
@@ -383,6 +429,8 @@ void vtkChiGeometryBuffer::ReleaseGraphicsResources(vtkWindow* window)
 {
   this->Target->ReleaseGraphicsResources(window);
   this->Color->ReleaseGraphicsResources(window);
+  this->Specular->ReleaseGraphicsResources(window);
+  this->SpecularPass->ReleaseGraphicsResources(window);
   this->WindowDepth->ReleaseGraphicsResources(window);
   this->Key.clear();
 }

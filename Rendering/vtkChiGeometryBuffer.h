@@ -4,6 +4,7 @@
 #define vtkChiGeometryBuffer_h
 
 #include "vtkChiCameraView.h"
+#include "vtkChiGeometryPass.h"
 
 #include <chiaroscuro/chi_surface.h>
 
@@ -36,6 +37,9 @@ public:
   // them yet and a pass of their own has every shader rebuilt: [height x width x 4] floats in view
   // coordinates, fourth component 0 where there is no geometry or its shader has no normal.
   bool ReadColor(vtkOpenGLRenderWindow* window, std::vector<float>& rgba);
+  // The specular part of the colours; null, and false, where no prop has any.
+  vtkTextureObject* GetSpecular() { return this->AnySpecular ? this->Specular.Get() : nullptr; }
+  bool ReadSpecular(vtkOpenGLRenderWindow* window, std::vector<float>& rgba);
   bool ReadNormals(vtkRenderer* renderer, std::vector<float>& normals);
   // Depth along the view axis, [height x width], infinite where there is no geometry.
   const std::vector<float>& GetDepths() const { return this->Depths; }
@@ -52,9 +56,13 @@ private:
   void DrawInto(vtkOpenGLRenderWindow* window, vtkTextureObject* color,
     const std::function<void()>& draw, const std::function<void()>& read);
   void Draw(vtkRenderer* renderer, vtkOpenGLRenderWindow* window);
+  void DrawSpecular(vtkRenderer* renderer, vtkOpenGLRenderWindow* window);
+  bool Read(vtkOpenGLRenderWindow* window, vtkTextureObject* from, std::vector<float>& rgba);
   void ConvertDepth(const vtkChiCameraView& camera);
 
   vtkNew<vtkTextureObject> Color;
+  vtkNew<vtkTextureObject> Specular;
+  vtkNew<vtkChiGeometryPass> SpecularPass;
   vtkNew<vtkTextureObject> WindowDepth;
   vtkNew<vtkOpenGLFramebufferObject> Target;
   std::vector<vtkProp*> Props;
@@ -65,6 +73,7 @@ private:
   int Width = 0;
   int Height = 0;
   bool AnySurface = false;
+  bool AnySpecular = false;
   bool Reused = false;
   double SecondsDraw = 0.0;
   double SecondsReadBack = 0.0;

@@ -117,7 +117,8 @@ double vtkChiOcclusionFrame::Layer::EntryDepth(double x, double y) const
 }
 
 //------------------------------------------------------------------------------
-void vtkChiOcclusionFrame::MergeLastLayer(std::vector<float>& rgba) const
+void vtkChiOcclusionFrame::MergeLastLayer(
+  std::vector<float>& rgba, const std::vector<float>& specular) const
 {
   rgba.clear();
   if (this->Layers.empty() || this->Layers.back().Rgba.empty())
@@ -126,21 +127,23 @@ void vtkChiOcclusionFrame::MergeLastLayer(std::vector<float>& rgba) const
   }
   rgba = this->Layers.back().Rgba;
   vtkSMPTools::For(0, this->Layers.back().Camera.height,
-    [this, &rgba](vtkIdType begin, vtkIdType end)
+    [this, &rgba, &specular](vtkIdType begin, vtkIdType end)
     {
       for (vtkIdType row = begin; row < end; ++row)
       {
-        this->MergeRow(static_cast<int>(row), rgba);
+        this->MergeRow(static_cast<int>(row), rgba, specular);
       }
     });
 }
 
 //------------------------------------------------------------------------------
 // The frame buffer holds F + (1 - f)(G + (1 - g) S): earlier layers in front F, behind G, and scene
-// S. Wanted is F + (1 - f)(n + (1 - a)(G + (1 - g) v S)) with the new layer n, its alpha a and its
-// visibility v of S. Blending multiplies what is there by k = (1 - a) v, so what must be added is
-//   F (1 - k) + (1 - f)(n + (1 - a)(1 - v) G).
-void vtkChiOcclusionFrame::MergeRow(int row, std::vector<float>& rgba) const
+// S. Wanted is F + (1 - f)(n + (1 - a)(G + (1 - g)(v (S - s) + s))) with the new layer n, its alpha
+// a, its visibility v of S, and the highlights s, which nobody takes. Blending multiplies what is
+// there by k = (1 - a) v, so what must be added is
+//   F (1 - k) + (1 - f)(n + (1 - a)(1 - v)(G + (1 - g) s)).
+void vtkChiOcclusionFrame::MergeRow(
+  int row, std::vector<float>& rgba, const std::vector<float>& specular) const
 {
   const Layer& last = this->Layers.back();
   const int width = last.Camera.width;
@@ -158,7 +161,7 @@ void vtkChiOcclusionFrame::MergeRow(int row, std::vector<float>& rgba) const
         order.emplace_back(layer.EntryDepth(column + 0.5, row + 0.5), &layer);
       }
     }
-    if (order.empty())
+    if (order.empty() && specular.empty())
     {
       continue;
     }
@@ -180,10 +183,12 @@ void vtkChiOcclusionFrame::MergeRow(int row, std::vector<float>& rgba) const
     float* target = rgba.data() + 4 * pixel;
     const float visibility = last.Visibility[pixel];
     const float keep = (1.0f - target[3]) * visibility;
-    for (int c = 0; c < 3; ++c)
+    for (std::size_t c = 0; c < 3; ++c)
     {
+      const float highlight = specular.empty() ? 0.0f : specular[4 * pixel + c];
+      const float behind = back[c] + (1.0f - back[3]) * highlight;
       target[c] = front[c] * (1.0f - keep) +
-        (1.0f - front[3]) * (target[c] + (1.0f - target[3]) * (1.0f - visibility) * back[c]);
+        (1.0f - front[3]) * (target[c] + (1.0f - target[3]) * (1.0f - visibility) * behind);
     }
   }
 }

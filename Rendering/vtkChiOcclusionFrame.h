@@ -45,7 +45,9 @@ public:
 
   // What the last layer must write so that it comes to lie between the earlier ones, some of which
   // are in front of it: premultiplied colour, and the layer's own alpha.
-  void MergeLastLayer(std::vector<float>& rgba) const;
+  // `specular`, [height x width x 4] or empty: what of the opaque geometry's light occlusion does
+  // not take.
+  void MergeLastLayer(std::vector<float>& rgba, const std::vector<float>& specular) const;
 
 protected:
   vtkChiOcclusionFrame() = default;
@@ -68,7 +70,7 @@ private:
     double EntryDepth(double x, double y) const;
   };
 
-  void MergeRow(int row, std::vector<float>& rgba) const;
+  void MergeRow(int row, std::vector<float>& rgba, const std::vector<float>& specular) const;
 
   vtkChiGeometryBuffer Geometry;
   std::vector<Layer> Layers;

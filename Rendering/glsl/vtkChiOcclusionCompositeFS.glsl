@@ -9,7 +9,9 @@
 uniform sampler2D layerTexture;      // premultiplied colour and alpha of the volume
 uniform sampler2D visibilityTexture; // of the opaque geometry, 1 where there is none
 uniform sampler2D surfaceTexture;    // lit colour of the opaque geometry, alpha 0 where there is none
+uniform sampler2D specularTexture;   // the part of it that occlusion does not take
 uniform int hasSurface;
+uniform int hasSpecular;
 uniform int rewriteSurface; // replace the geometry's pixels instead of darkening them
 in vec2 texCoord;           // 0 to 1 over the viewport
 
@@ -20,7 +22,13 @@ void main()
   float keep = 1.0 - layer.a;
   if (hasSurface != 0)
   {
-    keep *= texelFetch(visibilityTexture, pixel, 0).r;
+    // Schott et al. 2013, Eqs 9 and 10: (occlusion (lit - specular) + specular) (1 - alpha) + volume
+    float visibility = texelFetch(visibilityTexture, pixel, 0).r;
+    if (hasSpecular != 0)
+    {
+      layer.rgb += keep * (1.0 - visibility) * texelFetch(specularTexture, pixel, 0).rgb;
+    }
+    keep *= visibility;
     if (rewriteSurface != 0)
     {
       vec4 surface = texelFetch(surfaceTexture, pixel, 0);

@@ -233,6 +233,69 @@ class GeometryAndVolume(unittest.TestCase):
                 # the issue's bound
                 self.assertLessEqual(255.0 * np.abs(pictures[0] - pictures[1]).max(), 1.0)
 
+    def shiny_scene(self, fxaa=False, volumes=1, specular=0.6):
+        """A shiny square under dense smoke at one side, which leaves it little light."""
+        scene = Scene((96, 96))
+        for k in range(volumes):
+            center = (-0.3, 0.0, 0.5) if k == 0 else (0.45, 0.45, 0.2)
+            _, mapper = scene.add_volume(
+                cube(np.pad(ball(30), 1), 0.8 if k == 0 else 0.5, center), volume_property(1.0, 0.9, 0.15)
+            )
+            if k == 0:
+                first = mapper
+        scene.renderer.SetUseFXAA(fxaa)
+        plate = square(0.8, -0.3, color=(0.3, 0.5, 0.7), lit=True)
+        plate.GetProperty().SetSpecular(specular)
+        plate.GetProperty().SetSpecularColor(0.5, 0.4, 0.3)
+        plate.GetProperty().SetSpecularPower(2.0)
+        scene.renderer.AddActor(plate)
+        scene.look(half=0.9, parallel=False)
+        return scene, first
+
+    def test_occlusion_takes_no_highlights(self):
+        """Schott et al. 2013, Eqs 9 and 10, term by term."""
+        scene, mapper = self.shiny_scene()
+        scene.window.Render()
+        shiny, visibility = float_image(mapper), visibility_image(mapper)
+        data = vtkImageData()
+        self.assertTrue(mapper.GetGeometryImage(data))
+        lit = vtk_to_numpy(data.GetPointData().GetScalars()).reshape(96, 96, 4)
+        scene, mapper = self.shiny_scene(specular=0.0)
+        scene.window.Render()
+        dull = float_image(mapper)
+        self.assertTrue(mapper.GetGeometryImage(data))
+        diffuse = vtk_to_numpy(data.GetPointData().GetScalars()).reshape(96, 96, 4)
+        highlight = (lit - diffuse)[..., :3]
+        self.assertGreater(highlight.max(), 0.25)
+        self.assertLess(visibility.min(), 0.75)
+        # the float image is that of the dull plate, and the highlight through the volume
+        through = (shiny - dull)[..., :3]
+        covered = (diffuse[..., 3] > 0) & (highlight.max(axis=2) > 0.05)
+        share = through[covered] / highlight[covered]
+        # the same share of every channel, that which the volume's alpha leaves: between 0 and 1, and not
+        # less where the plate lies in shadow beside the smoke
+        self.assertLessEqual(np.abs(share - share[:, :1]).max(), 1e-3)
+        self.assertGreaterEqual(share.min(), -1e-4)
+        self.assertLessEqual(share.max(), 1.0 + 1e-4)
+        # beside the smoke, but in its shadow, all of the highlight arrives
+        self.assertGreater((share[visibility[covered] < 0.9][:, 0] > 0.999).sum(), 20)
+
+    def test_highlights_are_alike_however_the_pixels_are_drawn(self):
+        pictures = [self.shiny_scene(fxaa)[0].pixels() for fxaa in (False, True)]
+        inside = np.zeros((96, 96), bool)
+        inside[14:82, 14:82] = True  # away from the silhouette of the square
+        # 8 bits: the colour below, before it is darkened, and what is blended over it
+        self.assertLessEqual(255.0 * np.abs(pictures[0] - pictures[1])[inside].max(), 3.01)
+
+    def test_a_second_volume_takes_no_highlights_either(self):
+        scene, _ = self.shiny_scene(volumes=2)
+        both = scene.pixels()
+        alone = self.shiny_scene(volumes=1)[0].pixels()
+        far = np.zeros((96, 96), bool)
+        far[10:40, 10:40] = True  # out of reach of the second volume and its shadow
+        self.assertLessEqual(255.0 * np.abs(both - alone)[far].max(), 2.01)
+        self.assertGreater(255.0 * np.abs(both - alone).max(), 20.0)
+
     def test_the_window_shows_the_float_image(self):
         scene = Scene((96, 96), background=(0.2, 0.4, 0.6))
         _, mapper = scene.add_volume(cube(ball(24), 1.2), volume_property(unit=0.1))

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "vtkChiNormalPass.h"
+#include "vtkChiGeometryPass.h"
 
 #include "vtkObjectFactory.h"
 #include "vtkProp.h"
@@ -8,10 +8,10 @@
 #include "vtkRenderer.h"
 #include "vtkShaderProgram.h"
 
-vtkStandardNewMacro(vtkChiNormalPass);
+vtkStandardNewMacro(vtkChiGeometryPass);
 
 //------------------------------------------------------------------------------
-void vtkChiNormalPass::Render(const vtkRenderState* state)
+void vtkChiGeometryPass::Render(const vtkRenderState* state)
 {
   this->PreRender(state);
   for (int i = 0; i < state->GetPropArrayCount(); ++i)
@@ -22,23 +22,32 @@ void vtkChiNormalPass::Render(const vtkRenderState* state)
 }
 
 //------------------------------------------------------------------------------
-bool vtkChiNormalPass::PreReplaceShaderValues(std::string& vtkNotUsed(vertexShader),
+bool vtkChiGeometryPass::PreReplaceShaderValues(std::string& vtkNotUsed(vertexShader),
   std::string& vtkNotUsed(geometryShader), std::string& fragmentShader,
   vtkAbstractMapper* vtkNotUsed(mapper), vtkProp* vtkNotUsed(prop))
 {
   // the last tag of main(): colours have been lit and textured by then
   vtkShaderProgram::Substitute(fragmentShader, "//VTK::DepthPeeling::Impl",
-    "//VTK::DepthPeeling::Impl\n  //CHI::Normal::Impl\n", false);
+    "//VTK::DepthPeeling::Impl\n  //CHI::Geometry::Impl\n", false);
   return true;
 }
 
 //------------------------------------------------------------------------------
-bool vtkChiNormalPass::PostReplaceShaderValues(std::string& vtkNotUsed(vertexShader),
+bool vtkChiGeometryPass::PostReplaceShaderValues(std::string& vtkNotUsed(vertexShader),
   std::string& vtkNotUsed(geometryShader), std::string& fragmentShader,
   vtkAbstractMapper* vtkNotUsed(mapper), vtkProp* vtkNotUsed(prop))
 {
+  if (this->Output == SPECULAR)
+  {
+    // Phong's sum, before textures multiply it; physically based shaders have no such sum
+    const bool known = vtkShaderProgram::Substitute(fragmentShader,
+      "vec4(ambientColor + diffuse + specular, opacity)", "vec4(specular, opacity)", false);
+    vtkShaderProgram::Substitute(
+      fragmentShader, "//CHI::Geometry::Impl", known ? "" : "gl_FragData[0] = vec4(0.0);", false);
+    return true;
+  }
   const bool known = fragmentShader.find("normalVCVSOutput") != std::string::npos;
-  vtkShaderProgram::Substitute(fragmentShader, "//CHI::Normal::Impl",
+  vtkShaderProgram::Substitute(fragmentShader, "//CHI::Geometry::Impl",
     known ? "gl_FragData[0] = vec4(normalVCVSOutput, 1.0);" : "gl_FragData[0] = vec4(0.0);", false);
   return true;
 }
