@@ -26,7 +26,6 @@
 #include "vtkObjectFactory.h"
 #include "vtkOpenGLRenderPass.h"
 #include "vtkOpenGLRenderWindow.h"
-#include "vtkPlaneCollection.h"
 #include "vtkPointData.h"
 #include "vtkPropCollection.h"
 #include "vtkRenderer.h"
@@ -319,9 +318,6 @@ void vtkChiCombinedOcclusionVolumeMapper::CollectUnsupported(vtkVolume* volume)
     "label maps (vtkVolumeProperty) are not supported yet: labels are ignored");
   check(this->BlendMode != COMPOSITE_BLEND,
     "only the composite blend mode is supported yet: composite is used");
-  check(this->Cropping != 0, "cropping is not supported yet: the whole volume is drawn");
-  check(this->ClippingPlanes && this->ClippingPlanes->GetNumberOfItems() > 0,
-    "clipping planes are not supported yet: the whole volume is drawn");
   check(vtkMultiVolume::SafeDownCast(volume) != nullptr,
     "vtkMultiVolume is not supported: this mapper's own input is drawn");
   check(this->Internal->Peeling,
@@ -402,6 +398,8 @@ bool vtkChiCombinedOcclusionVolumeMapper::RenderEngine()
   frame.transfer = in.HasVolume ? in.Input.GetTransfer() : nullptr;
   frame.surface = surface;
   frame.params = &in.Params;
+  frame.clip_planes = in.Input.GetClipPlanes().data();
+  frame.clip_plane_count = in.HasVolume ? in.Input.GetClipPlanes().size() / 4 : 0;
   const chi_status status = chi_occlusion_render(exec.Get(), in.Renderer, &frame);
   in.Stats.struct_size = sizeof(in.Stats);
   chi_occlusion_get_stats(in.Renderer, &in.Stats);

@@ -19,11 +19,13 @@
  * scalars of every VTK type, of points or cells, chosen with SetScalarMode and SelectScalarArray;
  * the volume's full matrix (user matrix, non-uniform scale, mirror), spacing of any sign, direction
  * matrix, extent; of the vtkVolumeProperty the colour function (RGB or gray), the scalar opacity,
- * its unit distance, nearest or linear interpolation. Blending is composite.
+ * its unit distance, nearest or linear interpolation; of the mapper up to 32 clipping planes and
+ * the cropping box (VTK_CROP_SUBVOLUME): what they cut away neither draws nor darkens. Blending is
+ * composite.
  *
  * <b>What is not supported yet</b> is named in a warning, once for each cause, and the picture is
  * drawn without it: shading by gradients, gradient opacity, two-dimensional transfer functions,
- * several components (the first one is drawn), other blend modes, cropping, clipping planes, label
+ * several components (the first one is drawn), other blend modes, other cropping regions, label
  * maps, blanking, cubic interpolation, depth peeling for volumes (the volume is then drawn below
  * all translucent geometry), sheared projections.
  *
@@ -31,8 +33,8 @@
  * these mappers: shaded colour times visibility, under the volume. Where rewriting would lose what
  * the frame already holds (a multisampled frame buffer, FXAA, shadows, screen-space occlusion,
  * a custom render pass, translucent geometry), and for further mappers, the pixels are darkened
- * by the visibility instead, which differs by the rounding of the frame buffer only. The whole lit
- * colour is darkened, highlights included.
+ * by the visibility instead, which differs by the rounding of the frame buffer only. Highlights are
+ * not darkened, but for those of physically based props.
  *
  * <b>Several volumes</b> in a renderer do not shade each other; each shades, and is shaded by, the
  * geometry. Disjoint volumes are composited in the order of their depth at each pixel, whatever the

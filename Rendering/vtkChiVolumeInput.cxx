@@ -3,20 +3,26 @@
 #include "vtkChiVolumeInput.h"
 #include "vtkChiViews.h"
 
+#include <chiaroscuro/chi_occlusion.h>
+
 #include "vtkAbstractMapper.h"
 #include "vtkAbstractVolumeMapper.h"
 #include "vtkCellData.h"
 #include "vtkColorTransferFunction.h"
 #include "vtkFloatArray.h"
 #include "vtkImageData.h"
+#include "vtkMath.h"
 #include "vtkMatrix4x4.h"
 #include "vtkNew.h"
 #include "vtkPiecewiseFunction.h"
+#include "vtkPlane.h"
+#include "vtkPlaneCollection.h"
 #include "vtkPointData.h"
 #include "vtkRectilinearGrid.h"
 #include "vtkUniformGrid.h"
 #include "vtkUnsignedCharArray.h"
 #include "vtkVolume.h"
+#include "vtkVolumeMapper.h"
 #include "vtkVolumeProperty.h"
 
 #include <algorithm>
@@ -104,7 +110,8 @@ bool vtkChiVolumeInput::Collect(vtkAbstractVolumeMapper* mapper, vtkDataSet* inp
       "are drawn");
   }
   return this->CollectSamples(mapper, image, time, scalarMode) &&
-    this->CollectMatrix(image, volume, world) && this->CollectTransfer(volume->GetProperty(), time);
+    this->CollectMatrix(image, volume, world) &&
+    this->CollectTransfer(volume->GetProperty(), time) && this->CollectClips(mapper, volume, world);
 }
 
 //------------------------------------------------------------------------------
@@ -238,6 +245,82 @@ bool vtkChiVolumeInput::CollectMatrix(vtkImageData* image, vtkVolume* volume, co
       "the matrix of the vtkVolume times spacing and direction of the input is singular or "
       "not finite: nothing to draw";
     return false;
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+// A plane a x + b y + c z + d >= 0 of the space that `toWorld` carries to world space (null: world
+// space itself), for the core. Planes go with the inverse: plane . M^-1 . (M x) = plane . x.
+void vtkChiVolumeInput::AddClip(const double plane[4], const double* toWorld, const double* world)
+{
+  double matrix[16];
+  std::copy(world, world + 16, matrix);
+  if (toWorld)
+  {
+    multiply(world, toWorld, matrix);
+  }
+  double inverse[16];
+  vtkMatrix4x4::Invert(matrix, inverse);
+  for (int column = 0; column < 4; ++column)
+  {
+    double sum = 0.0;
+    for (int row = 0; row < 4; ++row)
+    {
+      sum += plane[row] * inverse[4 * row + column];
+    }
+    this->ClipPlanes.push_back(sum);
+  }
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiVolumeInput::CollectClips(
+  vtkAbstractVolumeMapper* mapper, vtkVolume* volume, const double* world)
+{
+  this->ClipPlanes.clear();
+  vtkPlaneCollection* planes = mapper->GetClippingPlanes();
+  vtkCollectionSimpleIterator cookie;
+  if (planes)
+  {
+    planes->InitTraversal(cookie);
+    while (vtkPlane* plane = planes->GetNextPlane(cookie))
+    {
+      const double* normal = plane->GetNormal();
+      const double equation[4] = { normal[0], normal[1], normal[2],
+        -vtkMath::Dot(normal, plane->GetOrigin()) };
+      if (!(vtkMath::Norm(normal) > 0.0) || !std::isfinite(equation[3]))
+      {
+        this->Problem = "a clipping plane has no normal, or is not finite: nothing to draw";
+        return false;
+      }
+      this->AddClip(equation, nullptr, world);
+    }
+  }
+  vtkVolumeMapper* cropped = vtkVolumeMapper::SafeDownCast(mapper);
+  if (cropped && cropped->GetCropping())
+  {
+    if (cropped->GetCroppingRegionFlags() != VTK_CROP_SUBVOLUME)
+    {
+      this->Limits.emplace_back(
+        "cropping regions other than the inner box (VTK_CROP_SUBVOLUME) are "
+        "not supported yet: the whole volume is drawn");
+    }
+    else
+    {
+      for (int k = 0; k < 6; ++k)
+      {
+        const double sign = k & 1 ? -1.0 : 1.0;
+        double equation[4] = { 0.0, 0.0, 0.0, -sign * cropped->GetCroppingRegionPlanes()[k] };
+        equation[k / 2] = sign;
+        this->AddClip(equation, volume->GetMatrix()->GetData(), world);
+      }
+    }
+  }
+  if (this->ClipPlanes.size() > 4 * CHI_MAX_CLIP_PLANES)
+  {
+    this->Limits.emplace_back("more than " + std::to_string(CHI_MAX_CLIP_PLANES) +
+      " clipping planes, the cropping box's included, are not supported: the others cut nothing");
+    this->ClipPlanes.resize(4 * CHI_MAX_CLIP_PLANES);
   }
   return true;
 }

@@ -34,6 +34,8 @@ public:
 
   const chi_volume_view* GetVolume() const { return &this->Volume; }
   const chi_transfer_view* GetTransfer() const { return &this->Transfer; }
+  // What the mapper's clipping planes and cropping box leave: [planes x 4] for the core.
+  const std::vector<double>& GetClipPlanes() const { return this->ClipPlanes; }
   const std::string& GetProblem() const { return this->Problem; }
   const std::vector<std::string>& GetLimits() const { return this->Limits; }
   bool IsEmpty() const { return this->Empty; }
@@ -43,6 +45,8 @@ private:
     vtkAbstractVolumeMapper* mapper, vtkImageData* image, vtkMTimeType time, int scalarMode);
   bool CollectMatrix(vtkImageData* image, vtkVolume* volume, const double* world);
   bool CollectTransfer(vtkVolumeProperty* property, vtkMTimeType time);
+  bool CollectClips(vtkAbstractVolumeMapper* mapper, vtkVolume* volume, const double* world);
+  void AddClip(const double plane[4], const double* toWorld, const double* world);
   void ChooseTableRange(vtkVolumeProperty* property);
   vtkImageData* Resample(vtkAbstractVolumeMapper* mapper, vtkRectilinearGrid* grid, int scalarMode);
   vtkDataArray* Find(
@@ -50,6 +54,7 @@ private:
 
   chi_volume_view Volume = {};
   chi_transfer_view Transfer = {};
+  std::vector<double> ClipPlanes;
   std::string Problem;
   std::vector<std::string> Limits;
   bool Empty = false;

@@ -30,9 +30,10 @@ typedef struct frame_key
   double index_to_world[16];
   double cone_angle, strength, sample_distance, bias, thickness;
   double geometry_opacity, vicinity_distance, vicinity_bias;
+  double clip_planes[4 * CHI_MAX_CLIP_PLANES];
   const void* depth;
   uint64_t surface_version;
-  int64_t integers[13];
+  int64_t integers[14];
 } frame_key;
 
 struct chi_occlusion
@@ -166,7 +167,9 @@ static chi_status check_frame(const chi_occlusion_frame* frame)
 {
   if (!frame || !camera_is_valid(frame->camera) || !params_are_valid(frame->params) ||
     (frame->volume && !transfer_is_valid(frame->transfer)) ||
-    (frame->surface && !frame->surface->depth) ||
+    (frame->surface && !frame->surface->depth) || frame->clip_plane_count > CHI_MAX_CLIP_PLANES ||
+    (frame->clip_plane_count &&
+      !(frame->clip_planes && all_finite(frame->clip_planes, 4 * (int)frame->clip_plane_count))) ||
     (frame->probes && frame->probes->count &&
       !(frame->probes->position && frame->probes->visibility)))
   {
@@ -223,6 +226,10 @@ static frame_key key_of_frame(const chi_occlusion_frame* frame)
   {
     memcpy(key.index_to_world, frame->volume->index_to_world, sizeof key.index_to_world);
   }
+  if (frame->clip_plane_count)
+  {
+    memcpy(key.clip_planes, frame->clip_planes, 4 * frame->clip_plane_count * sizeof(double));
+  }
   if (frame->surface)
   {
     key.depth = frame->surface->depth;
@@ -230,7 +237,8 @@ static frame_key key_of_frame(const chi_occlusion_frame* frame)
   }
   const int64_t integers[] = { c->parallel, c->width, c->height, p->method, p->directions,
     p->half_size, p->interactions, p->skip, frame->volume != NULL, frame->surface != NULL,
-    frame->volume ? frame->volume->is_cell_data : 0, p->combine, p->vicinity_samples };
+    frame->volume ? frame->volume->is_cell_data : 0, p->combine, p->vicinity_samples,
+    (int64_t)frame->clip_plane_count };
   memcpy(key.integers, integers, sizeof integers);
   return key;
 }

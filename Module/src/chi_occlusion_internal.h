@@ -76,7 +76,9 @@ typedef struct chi_scene
   /* index position of (pixel x, pixel y, depth z): origin + z axis + (parallel ? 1 : z)(x X + y Y)
    */
   double origin[3], axis[3], along_x[3], along_y[3];
-  double box_low[3], box_high[3];              /* of the volume, index units */
+  double box_low[3], box_high[3];      /* of the volume, index units */
+  double clip[CHI_MAX_CLIP_PLANES][4]; /* planes in index space, unit normals, kept where >= 0 */
+  int clips;
   double slope_x, slope_dx, slope_y, slope_dy; /* of the pixel's ray: slope_x + x slope_dx */
   double pixels_x, pixels_y; /* light pixels a unit of slope (perspective) or length (parallel) */
   double start, slice, slab; /* depth of slice 0; world distance between slices, light planes */

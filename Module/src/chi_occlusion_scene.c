@@ -69,6 +69,80 @@ static void place_pixels(chi_scene* scene, const chi_camera* camera, const doubl
   scene->pixels_y = 1 / (dy * scene->scale);
 }
 
+/* The frame's clip planes in index space; 0 where one has no direction. */
+static int place_clips(chi_scene* scene, const chi_occlusion_frame* frame)
+{
+  const double* const m = frame->volume->index_to_world;
+  scene->clips = (int)frame->clip_plane_count;
+  for (int k = 0; k < scene->clips; ++k)
+  {
+    const double* const p = frame->clip_planes + 4 * k;
+    double* const q = scene->clip[k];
+    double square = 0;
+    for (int a = 0; a < 4; ++a)
+    {
+      q[a] = p[0] * m[a] + p[1] * m[4 + a] + p[2] * m[8 + a] + (a == 3 ? p[3] : 0);
+      square += a < 3 ? q[a] * q[a] : 0;
+    }
+    const double scale = 1 / sqrt(square);
+    for (int a = 0; a < 4; ++a)
+    {
+      q[a] *= scale;
+      if (!isfinite(q[a]))
+      {
+        return 0;
+      }
+    }
+  }
+  return 1;
+}
+
+static double clip_value(const double clip[4], const double p[3])
+{
+  return clip[0] * p[0] + clip[1] * p[1] + clip[2] * p[2] + clip[3];
+}
+
+/* Depths of what one plane leaves of the box, from its corners and its edges' cuts: all planes
+ * together leave no more. */
+static void narrow_depths(
+  const chi_scene* scene, const double clip[4], const double index_to_eye[16], double range[2])
+{
+  double near = INFINITY, far = -INFINITY;
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    double p[3];
+    for (int a = 0; a < 3; ++a)
+    {
+      p[a] = corner >> a & 1 ? scene->box_high[a] : scene->box_low[a];
+    }
+    const double here = clip_value(clip, p);
+    for (int a = -1; a < 3; ++a)
+    {
+      double q[3] = { p[0], p[1], p[2] };
+      if (a >= 0)
+      {
+        q[a] = corner >> a & 1 ? scene->box_low[a] : scene->box_high[a];
+        const double there = clip_value(clip, q);
+        if (!((here < 0) != (there < 0)))
+        {
+          continue;
+        }
+        q[a] = p[a] + (q[a] - p[a]) * (here / (here - there));
+      }
+      else if (here < 0)
+      {
+        continue;
+      }
+      const double depth = -(index_to_eye[8] * q[0] + index_to_eye[9] * q[1] +
+        index_to_eye[10] * q[2] + index_to_eye[11]);
+      near = fmin(near, depth);
+      far = fmax(far, depth);
+    }
+  }
+  range[0] = fmax(range[0], near);
+  range[1] = fmin(range[1], far);
+}
+
 chi_status chi_scene_build(
   chi_scene* scene, const chi_occlusion_frame* frame, double surface_near, double surface_far)
 {
@@ -116,6 +190,17 @@ chi_status chi_scene_build(
       near = depth < near ? depth : near;
       far = depth > far ? depth : far;
     }
+    if (!place_clips(scene, frame))
+    {
+      return CHI_ERROR_INVALID_ARGUMENT;
+    }
+    double range[2] = { near, far };
+    for (int k = 0; k < scene->clips; ++k)
+    {
+      narrow_depths(scene, scene->clip[k], index_to_eye, range);
+    }
+    near = range[0];
+    far = range[1];
   }
   place_pixels(scene, camera, eye_to_index);
 

@@ -6,7 +6,8 @@
 
 #include <math.h>
 
-/* Where the rays of one row of pixels enter and leave the volume's box, in slices. */
+/* Where the rays of one row of pixels enter and leave the volume's box, less what the clip planes
+ * cut away, in slices. */
 static void intersect_box(const march* m, int64_t y)
 {
   const chi_scene* const s = m->scene;
@@ -16,22 +17,30 @@ static void intersect_box(const march* m, int64_t y)
                last = (double)(s->volume_end * s->group);
   for (size_t x = 0; x < m->stride; ++x)
   {
-    double from = first, to = last;
+    double from = first, to = last, p[3], q[3]; /* index position at slice 0, its change a slice */
     for (int a = 0; a < 3; ++a)
     {
       const double across = (double)x * s->along_x[a] + (double)y * s->along_y[a];
       const double o = s->origin[a] + (s->parallel ? across : 0);
       const double d = s->axis[a] + (s->parallel ? 0 : across);
-      const double p = o + d * s->start; /* index position at slice 0 */
-      const double q = d * s->slice;
-      if (q == 0)
+      p[a] = o + d * s->start;
+      q[a] = d * s->slice;
+      if (q[a] == 0)
       {
-        to = p >= s->box_low[a] && p <= s->box_high[a] ? to : from;
+        to = p[a] >= s->box_low[a] && p[a] <= s->box_high[a] ? to : from;
         continue;
       }
-      const double t0 = (s->box_low[a] - p) / q, t1 = (s->box_high[a] - p) / q;
+      const double t0 = (s->box_low[a] - p[a]) / q[a], t1 = (s->box_high[a] - p[a]) / q[a];
       from = fmax(from, fmin(t0, t1));
       to = fmin(to, fmax(t0, t1));
+    }
+    for (int k = 0; k < s->clips; ++k)
+    {
+      const double* const c = s->clip[k];
+      const double value = c[0] * p[0] + c[1] * p[1] + c[2] * p[2] + c[3];
+      const double change = c[0] * q[0] + c[1] * q[1] + c[2] * q[2];
+      from = change > 0 ? fmax(from, -value / change) : from;
+      to = change < 0 ? fmin(to, -value / change) : change == 0 && value < 0 ? from : to;
     }
     const int hit = from < to && x < (size_t)s->width;
     enter[x] = hit ? (float)from : INFINITY;
@@ -73,7 +82,7 @@ static uint8_t classify_cell(march* m, int64_t block, int cx, int cy)
   const double z[2] = { chi_scene_depth(s, first), chi_scene_depth(s, last) };
   const double x[2] = { cx * CHI_CELL_WIDTH, cx * CHI_CELL_WIDTH + CHI_CELL_WIDTH - 1 };
   const double y[2] = { cy * CHI_CELL_HEIGHT, cy * CHI_CELL_HEIGHT + CHI_CELL_HEIGHT - 1 };
-  double low[3], high[3];
+  double low[3], high[3], p[8][3];
   int inside = first >= (double)s->volume_begin;
   for (int a = 0; a < 3; ++a)
   {
@@ -83,15 +92,31 @@ static uint8_t classify_cell(march* m, int64_t block, int cx, int cy)
     {
       const double depth = z[corner >> 2];
       const double across = x[corner & 1] * s->along_x[a] + y[corner >> 1 & 1] * s->along_y[a];
-      const double p = s->origin[a] + depth * s->axis[a] + (s->parallel ? 1 : depth) * across;
-      low[a] = fmin(low[a], p);
-      high[a] = fmax(high[a], p);
+      p[corner][a] = s->origin[a] + depth * s->axis[a] + (s->parallel ? 1 : depth) * across;
+      low[a] = fmin(low[a], p[corner][a]);
+      high[a] = fmax(high[a], p[corner][a]);
     }
     if (!(high[a] >= s->box_low[a] && low[a] <= s->box_high[a]))
     {
       return CELL_EMPTY; /* outside the volume */
     }
     inside &= low[a] > s->box_low[a] + 0.01 && high[a] < s->box_high[a] - 0.01;
+  }
+  for (int k = 0; k < s->clips; ++k)
+  {
+    const double* const c = s->clip[k];
+    double least = INFINITY, most = -INFINITY;
+    for (int corner = 0; corner < 8; ++corner)
+    {
+      const double value = c[0] * p[corner][0] + c[1] * p[corner][1] + c[2] * p[corner][2] + c[3];
+      least = fmin(least, value);
+      most = fmax(most, value);
+    }
+    if (most < 0)
+    {
+      return CELL_EMPTY; /* cut away */
+    }
+    inside &= least > 0.01;
   }
   int64_t all;
   const int64_t occupied = chi_classification_count(m->classification, m->bricks, low, high, &all);

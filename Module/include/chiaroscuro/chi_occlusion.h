@@ -41,6 +41,11 @@ enum
   CHI_ALL_INTERACTIONS = 15
 };
 
+enum
+{
+  CHI_MAX_CLIP_PLANES = 32
+};
+
 /** How a surface's light from the planes (partial) and from its vicinity become one. */
 enum
 {
@@ -74,8 +79,8 @@ typedef struct chi_occlusion_params
   double vicinity_distance; /**< l_vicinity of Schott et al. 2013, world units: the radius is l tan
                                of the cone's angle; 0 = none (default) */
   double vicinity_bias;     /**< > 0: a neighbour blocks when nearer than the surface less so much,
-                               world     units, however near (the paper's rule); 0 = against the surface's
-                               tangent     plane, and up to l_vicinity (default) */
+                               world units, however near (the paper's rule); 0 = against the
+                               surface's tangent plane, and up to l_vicinity (default) */
 } chi_occlusion_params;
 
 /** Visibility at chosen points, for tests and for users who measure. */
@@ -98,6 +103,10 @@ typedef struct chi_occlusion_frame
   const chi_occlusion_params* params;
   const chi_occlusion_probes*
     probes; /**< NULL: none; a frame with probes is never taken as unchanged */
+  /** The volume is cut: a sample stays where a x + b y + c z + d >= 0 of every plane, world
+   * coordinates; what is cut away neither draws nor blocks light. */
+  const double* clip_planes; /**< [clip_plane_count x 4], not all of a, b, c zero */
+  size_t clip_plane_count;   /**< 0 ... CHI_MAX_CLIP_PLANES */
 } chi_occlusion_frame;
 
 /** The last picture, owned by the handle, valid until its next call. Row 0 is the lowest. */

@@ -1,0 +1,232 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+
+/* Light of a segment: shift, attenuate, halve, enlarge. Included by chi_occlusion_kernels.inl. */
+
+enum
+{
+  PARTS = CHI_SEGMENT / CHI_LANES
+};
+
+CHI_INLINE void shifted(const float* q, size_t stride, const float w[4], vf out[PARTS])
+{
+  for (int k = 0; k < PARTS; ++k)
+  {
+    const float* const a = q + k * CHI_LANES;
+    const float* const b = a + stride;
+    out[k] = vf_load(a) * w[0] + vf_load(a + 1) * w[1] + vf_load(b) * w[2] + vf_load(b + 1) * w[3];
+  }
+}
+
+/*
+ * One slab for all directions: shift the light, attenuate it by half the slab (what the middle of
+ * the slab sees), and by the other half. Doc: theory/occlusion.md, Eq. 3.
+ */
+CHI_INLINE void light_run(const chi_light_segment* s, const int has_tau, const int has_geometry)
+{
+  vf sum[PARTS], half_tau[PARTS], geometry[PARTS];
+  for (int k = 0; k < PARTS; ++k)
+  {
+    sum[k] = vf_set(0.0f);
+    half_tau[k] = has_tau ? vf_load(s->tau + k * CHI_LANES) * -0.5f : vf_set(0.0f);
+    geometry[k] = has_geometry ? vf_load(s->geometry + k * CHI_LANES) : vf_set(1.0f);
+  }
+  const float* source = s->source;
+  float* target = s->target;
+  for (int m = 0; m < s->directions; ++m, source += s->plane, target += s->plane)
+  {
+    vf light[PARTS];
+    shifted(source + s->offset[m], s->stride, s->weight[m], light);
+    for (int k = 0; k < PARTS; ++k)
+    {
+      vf through = vf_set(1.0f);
+      if (has_tau)
+      {
+        const vf length = s->length[m] + (vf_iota() + (float)(k * CHI_LANES)) * s->length_x[m];
+        through = vf_exp_neg(half_tau[k] * length);
+        light[k] *= through;
+      }
+      sum[k] += light[k];
+      if (has_tau)
+      {
+        light[k] *= through;
+      }
+      if (has_geometry)
+      {
+        light[k] *= geometry[k];
+      }
+      vf_store(target + k * CHI_LANES, light[k]);
+    }
+  }
+  const float mean = 1.0f / (float)s->directions;
+  for (int k = 0; k < PARTS; ++k)
+  {
+    vf_store(s->visibility + k * CHI_LANES, sum[k] * mean);
+  }
+}
+
+static void light(const chi_light_segment* s)
+{
+  if (s->tau)
+  {
+    if (s->geometry)
+    {
+      light_run(s, 1, 1);
+    }
+    else
+    {
+      light_run(s, 1, 0);
+    }
+  }
+  else if (s->geometry)
+  {
+    light_run(s, 0, 1);
+  }
+  else
+  {
+    light_run(s, 0, 0);
+  }
+}
+
+/* The published rule: one buffer, the mean of its taps. Schott et al. 2013, Algorithm 3. */
+static void blur(const chi_light_segment* s)
+{
+  vf sum[PARTS];
+  for (int k = 0; k < PARTS; ++k)
+  {
+    sum[k] = vf_set(0.0f);
+  }
+  for (int m = 0; m < s->directions; ++m)
+  {
+    vf tap[PARTS];
+    shifted(s->source + s->offset[m], s->stride, s->weight[m], tap);
+    for (int k = 0; k < PARTS; ++k)
+    {
+      sum[k] += tap[k];
+    }
+  }
+  const float mean = 1.0f / (float)s->directions;
+  for (int k = 0; k < PARTS; ++k)
+  {
+    const int x = k * CHI_LANES;
+    const vf length = s->length[0] + (vf_iota() + (float)x) * s->length_x[0];
+    const vf through = s->tau ? vf_exp_neg(vf_load(s->tau + x) * length * -0.5f) : vf_set(1.0f);
+    const vf seen = sum[k] * mean * through;
+    vf_store(s->visibility + x, seen);
+    vf_store(
+      s->target + x, seen * through * (s->geometry ? vf_load(s->geometry + x) : vf_set(1.0f)));
+  }
+}
+
+/* Mean transmittance of four pixels a light pixel. */
+CHI_INLINE vf mean_of_four(vf a0, vf a1, vf b0, vf b1)
+{
+  return vf_add_pairs(a0 + b0, a1 + b1) * 0.25f;
+}
+
+/*
+ * Two rows of pixels to one of light pixels: the optical thickness whose transmittance along a path
+ * of the cone's mean length is that of the four pixels.
+ *
+ * Averaging thickness would let thin opaque things darken twice their area; averaging transmittance
+ * slab by slab lets the edge of a deep opaque thing darken the light pixel that it half covers
+ * again in every slab. Light that goes straight on meets in a slab the same pixels as in the one
+ * before, so that what counts is the mean of the product with the slab before over the mean of that
+ * slab alone (theory/occlusion.md, Eq. 4).
+ */
+static void halve(
+  const float* const tau[2], const float* const before[2], float length, float* out, int count)
+{
+  const vf thin = vf_set(0.02f / length); /* below, the mean differs by < 0.02^2 / 8 = 5e-5 */
+  for (int x = 0; x < count; x += CHI_LANES)
+  {
+    const vf a0 = vf_load(tau[0] + 2 * x), a1 = vf_load(tau[0] + 2 * x + CHI_LANES);
+    const vf b0 = vf_load(tau[1] + 2 * x), b1 = vf_load(tau[1] + 2 * x + CHI_LANES);
+    const vi thick = (vf_max(a0, b0) > thin) | (vf_max(a1, b1) > thin);
+    if (!vi_any(thick))
+    {
+      vf_store(out + x, mean_of_four(a0, a1, b0, b1));
+      continue;
+    }
+    const vf ea0 = vf_exp_neg(a0 * -length), ea1 = vf_exp_neg(a1 * -length);
+    const vf eb0 = vf_exp_neg(b0 * -length), eb1 = vf_exp_neg(b1 * -length);
+    const vf pa0 = vf_exp_neg(vf_load(before[0] + 2 * x) * -length);
+    const vf pa1 = vf_exp_neg(vf_load(before[0] + 2 * x + CHI_LANES) * -length);
+    const vf pb0 = vf_exp_neg(vf_load(before[1] + 2 * x) * -length);
+    const vf pb1 = vf_exp_neg(vf_load(before[1] + 2 * x + CHI_LANES) * -length);
+    const vf floor = vf_set(1e-30f);
+    const vf joint = vf_max(mean_of_four(ea0 * pa0, ea1 * pa1, eb0 * pb0, eb1 * pb1), floor);
+    const vf first = vf_max(mean_of_four(pa0, pa1, pb0, pb1), floor);
+    const vf tau_mean = (vf_log(first) - vf_log(joint)) * (1.0f / length);
+    vf_store(out + x, vf_max(tau_mean, vf_set(0.0f)));
+  }
+}
+
+/* Path length a unit depth of every direction at the first of `count` pixels, and its mean change a
+ * pixel: a light ray through a pixel of slope p has the slope p - s. */
+static void path_lengths(const float* slope_x, const float* slope_y, int directions, float px,
+  float py, float px_step, int count, float* length, float* length_x)
+{
+  const float last = px + px_step * (float)(count - 1);
+  const float share = 1.0f / (float)(count > 1 ? count - 1 : 1);
+  for (int m = 0; m < directions; ++m)
+  {
+    const float y = py - slope_y[m], a = px - slope_x[m], b = last - slope_x[m];
+    const float first = sqrtf(1.0f + y * y + a * a);
+    length[m] = first;
+    length_x[m] = (sqrtf(1.0f + y * y + b * b) - first) * share;
+  }
+}
+
+/* Interleave: (a0, b0, a1, b1, ...) in two vectors. */
+CHI_INLINE void store_interleaved(float* out, vf a, vf b)
+{
+#ifdef CHI_VEC_AVX512
+  const __m512i low = _mm512_set_epi32(23, 7, 22, 6, 21, 5, 20, 4, 19, 3, 18, 2, 17, 1, 16, 0);
+  const __m512i high = _mm512_add_epi32(low, _mm512_set1_epi32(8));
+  vf_store(out, (vf)_mm512_permutex2var_ps((__m512)a, low, (__m512)b));
+  vf_store(out + CHI_LANES, (vf)_mm512_permutex2var_ps((__m512)a, high, (__m512)b));
+#else
+  for (int i = 0; i < CHI_LANES; ++i)
+  {
+    out[2 * i] = a[i];
+    out[2 * i + 1] = b[i];
+  }
+#endif
+}
+
+/* Weighted sum of rows of light pixels, enlarged to the picture's pixels: a light pixel's two
+ * columns lie a quarter of it off its centre, with the weights of chi_light_weights(2, -1/4) and
+ * their mirror. */
+static void enlarge(const float* const* rows, const float* weight, int row_count, float base,
+  int scale, int begin, int end, float* out)
+{
+  const float near = 0.11458333f, middle = 1.0208333f, far = -0.13541667f;
+  const vf zero = vf_set(0.0f), one = vf_set(1.0f);
+  if (scale == 1)
+  {
+    for (int x = begin; x < end; x += CHI_LANES)
+    {
+      vf v = vf_set(base);
+      for (int r = 0; r < row_count; ++r)
+      {
+        v += vf_load(rows[r] + x) * weight[r];
+      }
+      vf_store(out + x, v);
+    }
+    return;
+  }
+  for (int x = begin / 2; x < (end + 1) / 2; x += CHI_LANES)
+  {
+    vf left = vf_set(base), here = vf_set(base), right = vf_set(base);
+    for (int r = 0; r < row_count; ++r)
+    {
+      left += vf_load(rows[r] + x - 1) * weight[r];
+      here += vf_load(rows[r] + x) * weight[r];
+      right += vf_load(rows[r] + x + 1) * weight[r];
+    }
+    const vf even = left * near + here * middle + right * far;
+    const vf odd = left * far + here * middle + right * near;
+    store_interleaved(out + 2 * x, vf_min(vf_max(even, zero), one), vf_min(vf_max(odd, zero), one));
+  }
+}

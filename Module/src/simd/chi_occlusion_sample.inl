@@ -1,0 +1,317 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+
+/* Samples of a row: fetch, classify, composite. Included by chi_occlusion_kernels.inl. */
+
+/* Low and high half of the pair of samples that one four-byte load brings. */
+CHI_INLINE void split_pair(vi word, int fetch, vf* a, vf* b)
+{
+  if (fetch == CHI_FETCH_U8)
+  {
+    *a = vi_float(word & 255);
+    *b = vi_float((vi)((vu)word >> 8) & 255);
+  }
+  else if (fetch == CHI_FETCH_U16)
+  {
+    *a = vi_float(word & 65535);
+    *b = vi_float((vi)((vu)word >> 16));
+  }
+  else
+  {
+    *a = vi_float((word << 16) >> 16);
+    *b = vi_float(word >> 16);
+  }
+}
+
+CHI_INLINE vi gather_samples(const chi_sample_frame* s, vi index, int fetch, vi mask)
+{
+  if (fetch == CHI_FETCH_F32)
+  {
+    return vi_gather(s->scalars, index, 4, mask);
+  }
+  /* A four-byte load at the last samples would leave the array: load earlier and shift. */
+  const int scale = fetch == CHI_FETCH_U8 ? 1 : 2;
+  const vi last = vi_set(s->last_load);
+  const vi beyond = index > last;
+  const vi at = (beyond & last) | (~beyond & index);
+  const vi word =
+    fetch == CHI_FETCH_U8 ? vi_gather(s->scalars, at, 1, mask) : vi_gather(s->scalars, at, 2, mask);
+  return (vi)((vu)word >> (vu)((index - at) * (8 * scale)));
+}
+
+/* Trilinear (or nearest) scalar at an index position that lies inside the grid. */
+CHI_INLINE vf fetch_scalar(
+  const chi_sample_frame* s, const vf p[3], int fetch, int nearest, vi mask)
+{
+  if (nearest)
+  {
+    vi i[3];
+    for (int a = 0; a < 3; ++a)
+    {
+      i[a] = vf_int(p[a] + 0.5f);
+    }
+    const vi index = i[0] * s->step_x + i[1] * s->step_y + i[2] * s->step_z;
+    const vi word = gather_samples(s, index, fetch, mask);
+    vf a, b;
+    if (fetch == CHI_FETCH_F32)
+    {
+      return (vf)word;
+    }
+    split_pair(word, fetch, &a, &b);
+    return a;
+  }
+  vi i[3];
+  vf f[3];
+  for (int a = 0; a < 3; ++a)
+  {
+    const vi last = vi_set(s->last_cell[a]);
+    i[a] = vf_int(p[a]);
+    const vi beyond = i[a] > last;
+    i[a] = (beyond & last) | (~beyond & i[a]);
+    f[a] = p[a] - vi_float(i[a]);
+  }
+  const vi index = i[0] * s->step_x + i[1] * s->step_y + i[2] * s->step_z;
+  vf line[4];
+  for (int c = 0; c < 4; ++c)
+  {
+    const vi at = index + ((c & 1 ? s->step_y : 0) + (c & 2 ? s->step_z : 0));
+    vf a, b;
+    if (fetch == CHI_FETCH_F32)
+    {
+      a = (vf)gather_samples(s, at, fetch, mask);
+      b = (vf)gather_samples(s, at + s->step_x, fetch, mask);
+    }
+    else
+    {
+      split_pair(gather_samples(s, at, fetch, mask), fetch, &a, &b);
+    }
+    line[c] = a + f[0] * (b - a);
+  }
+  const vf low = line[0] + f[1] * (line[1] - line[0]);
+  const vf high = line[2] + f[1] * (line[3] - line[2]);
+  return low + f[2] * (high - low);
+}
+
+/* A piece of a row on its way through the stages below. Each stage is a loop of its own: one loop
+ * for all would be a chain of some 300 cycles an iteration, longer than the processor looks ahead.
+ */
+enum
+{
+  PIECE = 128
+};
+
+typedef struct sample_piece
+{
+  float t[PIECE]; /* table position at the far slice; NaN: no sample */
+  int32_t entry[PIECE];
+  float fraction[PIECE]; /* of the segment that lies in the box */
+  int32_t entering[PIECE];
+  float depth[PIECE]; /* optical thickness along the view axis */
+  int32_t color[PIECE];
+} sample_piece;
+
+/* Where the samples lie, which of them anybody needs, and their places in the tables. */
+CHI_INLINE void fetch_piece(chi_sample_row* row, sample_piece* piece, int x_begin, int count,
+  const int fetch, const int nearest)
+{
+  const chi_sample_frame* const s = row->frame;
+  const vf nan = vf_set(NAN);
+  const vf end = vf_set(s->table_end);
+  const vi last_entry = vi_set((int32_t)s->table_end);
+  for (int i = 0; i < count; i += CHI_LANES)
+  {
+    const int x = x_begin + i;
+    const vf xs = vf_iota() + (float)x;
+    vi want = vi_set(-1);
+    vf p[3];
+    for (int a = 0; a < 3; ++a)
+    {
+      p[a] = row->position[a] + xs * row->position_x[a];
+    }
+    if (row->enter)
+    {
+      /* The ray meets the box inside this segment: sample where it does, and count only the part.
+       */
+      const vf enter = vf_load(row->enter + x), leave = vf_load(row->leave + x);
+      const vf near = vf_set(row->near_slice), far = near + 1.0f;
+      want = (enter < far) & (leave > near);
+      const vf stop = vf_min(far, leave), start = vf_max(near, enter);
+      vf_store(piece->fraction + i, vf_max(stop - start, vf_set(0.0f)));
+      vi_store(piece->entering + i, (enter >= near) | vi_set(row->first ? -1 : 0));
+      const vf back = stop - far;
+      for (int a = 0; a < 3; ++a)
+      {
+        p[a] += back * (row->direction[a] + xs * row->direction_x[a]);
+      }
+    }
+    for (int a = 0; a < 3; ++a)
+    {
+      p[a] = vf_min(vf_max(p[a], vf_set(0.0f)), vf_set(s->last_index[a]));
+    }
+    const vi inside = want;
+    if (row->surface && !row->saturated_too)
+    {
+      want &= vf_load(row->surface + x) > row->near_slice;
+    }
+    if (!row->saturated_too)
+    {
+      want &= vf_load(row->transmittance + x) > s->saturated;
+    }
+    if (row->bricks)
+    {
+      const vi brick = (vf_int(p[0]) >> 3) + (vf_int(p[1]) >> 3) * s->brick_step_y +
+        (vf_int(p[2]) >> 3) * s->brick_step_z;
+      want &= (vi_gather(s->occupied, brick, 1, want) & 255) != 0;
+    }
+    const int taken = vi_count(want);
+    row->taken += taken;
+    row->skipped += vi_count(inside) - taken;
+    if (taken == 0)
+    {
+      vf_store(piece->t + i, nan);
+      vi_store(piece->entry + i, vi_set(0));
+      continue;
+    }
+    const vf scalar = fetch_scalar(s, p, fetch, nearest, want);
+    /* x - x is 0 for every finite x: NaN and infinite samples are transparent. */
+    const vi finite = (scalar - scalar == 0.0f) & want;
+    vf t = (scalar - s->base) * s->scale + s->offset;
+    t = vf_min(vf_max(t, vf_set(0.0f)), end);
+    vi entry = vf_int(t);
+    entry -= (entry >= last_entry) & 1; /* the last entry has no interval after it */
+    vf_store(piece->t + i, vf_select(finite, t, nan));
+    vi_store(piece->entry + i, entry & finite);
+  }
+}
+
+/* Mean extinction of every segment, and the optical thickness that it adds. */
+CHI_INLINE void classify_piece(chi_sample_row* row, sample_piece* piece, int x_begin, int count)
+{
+  const chi_sample_frame* const s = row->frame;
+  const vf nan = vf_set(NAN);
+  for (int i = 0; i < count; i += CHI_LANES)
+  {
+    const int x = x_begin + i;
+    const vf t = vf_load(piece->t + i);
+    const vi finite = t == t;
+    const vi entry = vi_load(piece->entry + i);
+    vf parts[4]; /* lanes without a sample read entry 0 */
+    vf_load_entries((const float(*)[4])(const void*)s->sigma, piece->entry + i, parts);
+    const vf f = t - vi_float(entry);
+    const vi sum = (vi)parts[0];
+    const vf sigma0 = parts[1], half_slope = parts[2];
+    const vf rest = f * (sigma0 + f * half_slope);
+
+    /* Scalar linear along the segment: integral over scalar / its change. Where that hardly
+     * changes, the extinction in the middle. */
+    const vf t_before = row->restart ? nan : vf_load(row->table_position + x);
+    const vi known = (t_before == t_before) & finite;
+    const vf t0 = vf_select(known, t_before, t);
+    const vf change = t - t0;
+    const vi steep = ((change > 1.0f) | (change < -1.0f)) & known;
+    const vf local = sigma0 + (2.0f * f - change) * half_slope;
+    const vf integral = vi_float((vi)((vu)sum - (vu)vi_load(row->sum + x))) * s->quantum +
+      (rest - vf_load(row->rest + x));
+    vf sigma = vf_select(steep, integral / vf_select(steep, change, vf_set(1.0f)), local);
+    /* A ray that begins here has no scalar before; elsewhere an unsampled neighbour was
+     * transparent, and its brick's margin covers this segment. */
+    const vi entering = row->enter ? vi_load(piece->entering + i) : vi_set(row->first ? -1 : 0);
+    const vi valid = finite & (known | entering);
+    sigma = vf_select(valid, vf_max(sigma, vf_set(0.0f)), vf_set(0.0f));
+    vf_store(row->table_position + x, t);
+    vi_store(row->sum + x, sum);
+    vf_store(row->rest + x, rest);
+    const vf fraction = row->enter ? vf_load(piece->fraction + i) : vf_set(1.0f);
+    vf_store(piece->depth + i, sigma * (fraction * s->slice));
+    vi_store(piece->color + i, vf_int(vf_select(valid, t - 0.5f * change + 0.5f, vf_set(0.0f))));
+  }
+}
+
+/* What the eye gets of it. */
+CHI_INLINE void composite_piece(chi_sample_row* row, sample_piece* piece, int x_begin, int count)
+{
+  const chi_sample_frame* const s = row->frame;
+  for (int i = 0; i < count; i += CHI_LANES)
+  {
+    const int x = x_begin + i;
+    vf depth = vf_load(piece->depth + i);
+    if (!vi_any(depth > 0.0f))
+    {
+      continue;
+    }
+    row->any_tau = 1;
+    vf_store(row->tau + x, vf_load(row->tau + x) + depth);
+    /* The eye sees the part in front of the surface, and nothing where it is dark already. */
+    if (row->surface)
+    {
+      const vf fraction = row->enter ? vf_load(piece->fraction + i) : vf_set(1.0f);
+      const vf free = vf_load(row->surface + x) - row->near_slice;
+      depth *= vf_min(vf_max(free, vf_set(0.0f)), fraction) / vf_max(fraction, vf_set(1e-30f));
+    }
+    const vf transmittance = vf_load(row->transmittance + x);
+    const vi seen = (transmittance > s->saturated) & (depth > 0.0f);
+    if (!vi_any(seen))
+    {
+      continue;
+    }
+    const vf slope = row->length0 + (vf_iota() + (float)x) * row->length_x;
+    const vf tau = depth * vf_sqrt(slope * slope + row->length_c);
+    const vf alpha = vf_select(seen, 1.0f - vf_exp_neg(-tau), vf_set(0.0f));
+    vf weight = transmittance * alpha;
+    vf_store(row->transmittance + x, transmittance - weight);
+    if (row->visibility)
+    {
+      weight *= vf_load(row->visibility + x);
+    }
+    vf color[4];
+    vf_load_entries(s->rgba, piece->color + i, color);
+    for (int c = 0; c < 3; ++c)
+    {
+      vf_store(row->color[c] + x, vf_load(row->color[c] + x) + weight * color[c]);
+    }
+  }
+}
+
+CHI_INLINE void sample_run(
+  chi_sample_row* row, int x_begin, int x_end, const int fetch, const int nearest)
+{
+  sample_piece piece;
+  for (int x = x_begin; x < x_end; x += PIECE)
+  {
+    const int count = x_end - x < PIECE ? x_end - x : PIECE;
+    fetch_piece(row, &piece, x, count, fetch, nearest);
+    classify_piece(row, &piece, x, count);
+    composite_piece(row, &piece, x, count);
+  }
+}
+
+static void sample(chi_sample_row* row, int x_begin, int x_end)
+{
+  switch (row->frame->fetch * 2 + row->frame->nearest)
+  {
+    case CHI_FETCH_U8 * 2:
+      sample_run(row, x_begin, x_end, CHI_FETCH_U8, 0);
+      break;
+    case CHI_FETCH_I16 * 2:
+      sample_run(row, x_begin, x_end, CHI_FETCH_I16, 0);
+      break;
+    case CHI_FETCH_U16 * 2:
+      sample_run(row, x_begin, x_end, CHI_FETCH_U16, 0);
+      break;
+    case CHI_FETCH_F32 * 2:
+      sample_run(row, x_begin, x_end, CHI_FETCH_F32, 0);
+      break;
+    case CHI_FETCH_U8 * 2 + 1:
+      sample_run(row, x_begin, x_end, CHI_FETCH_U8, 1);
+      break;
+    case CHI_FETCH_I16 * 2 + 1:
+      sample_run(row, x_begin, x_end, CHI_FETCH_I16, 1);
+      break;
+    case CHI_FETCH_U16 * 2 + 1:
+      sample_run(row, x_begin, x_end, CHI_FETCH_U16, 1);
+      break;
+    default:
+      sample_run(row, x_begin, x_end, CHI_FETCH_F32, 1);
+      break;
+  }
+}

@@ -1,0 +1,293 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+
+/* Clip planes: what they cut away is as if it were not in the data. */
+
+#include <chiaroscuro/chi_occlusion.h>
+
+#include "chi_test.h"
+
+enum
+{
+  N = 40,
+  WIDTH = 72,
+  PIXELS = WIDTH * WIDTH,
+  CUT = 16
+};
+
+typedef struct scene
+{
+  chi_camera camera;
+  chi_volume_view volume;
+  chi_transfer_view transfer;
+  chi_surface_view surface;
+  chi_occlusion_params params;
+  chi_occlusion_frame frame;
+  chi_occlusion* engine;
+  float rgb[6], opacity[2], samples[N * N * N], depth[PIXELS];
+  double planes[4 * CHI_MAX_CLIP_PLANES];
+} scene;
+
+/* Soft blobs, 0 ... 1. */
+static float blobs(size_t i, size_t j, size_t k)
+{
+  return (float)(0.5 + 0.5 * sin(0.45 * (double)i) * cos(0.4 * (double)j) * cos(0.5 * (double)k));
+}
+
+/* The volume's samples from `first` on, one unit apart, centred about depth 100; the eye looks
+ * along -z. */
+static scene* make_scene(int parallel, const size_t first[3], const size_t count[3])
+{
+  static uint64_t version = 0;
+  scene* const s = calloc(1, sizeof *s);
+  if (!s)
+  {
+    exit(1);
+  }
+  const double half = parallel ? 30 : 0.3;
+  s->camera = (chi_camera){ .struct_size = sizeof s->camera,
+    .world_to_eye = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 },
+    .window = { -half, half, -half, half },
+    .parallel = parallel,
+    .width = WIDTH,
+    .height = WIDTH,
+    .near_depth = 1 };
+  for (size_t k = 0; k < count[2]; ++k)
+  {
+    for (size_t j = 0; j < count[1]; ++j)
+    {
+      for (size_t i = 0; i < count[0]; ++i)
+      {
+        s->samples[i + count[0] * (j + count[1] * k)] =
+          blobs(i + first[0], j + first[1], k + first[2]);
+      }
+    }
+  }
+  s->volume = (chi_volume_view){ .struct_size = sizeof s->volume,
+    .scalars = s->samples,
+    .type = CHI_F32,
+    .stride = sizeof(float),
+    .dimensions = { count[0], count[1], count[2] },
+    .index_to_world = { 1, 0, 0, (double)first[0] - 0.5 * (N - 1), 0, 1, 0,
+      (double)first[1] - 0.5 * (N - 1), 0, 0, 1, (double)first[2] - 0.5 * (N - 1) - 100, 0, 0, 0,
+      1 },
+    .interpolation = CHI_LINEAR,
+    .version = ++version };
+  const float rgb[6] = { 0.2f, 0.4f, 0.9f, 1, 0.8f, 0.3f };
+  memcpy(s->rgb, rgb, sizeof rgb);
+  s->opacity[1] = 0.3f;
+  s->transfer = (chi_transfer_view){ .struct_size = sizeof s->transfer,
+    .rgb = s->rgb,
+    .opacity = s->opacity,
+    .count = 2,
+    .range = { 0.4, 1 },
+    .unit_distance = 1,
+    .version = 1 };
+  for (int i = 0; i < PIXELS; ++i)
+  {
+    s->depth[i] = i % WIDTH < 20 ? 95 : 130;
+  }
+  s->surface = (chi_surface_view){ sizeof s->surface, s->depth, 1 };
+  chi_occlusion_default_params(&s->params);
+  s->params.sample_distance = 1;
+  s->params.bias = 1.5;
+  s->frame = (chi_occlusion_frame){ .struct_size = sizeof s->frame,
+    .camera = &s->camera,
+    .volume = &s->volume,
+    .transfer = &s->transfer,
+    .surface = &s->surface,
+    .params = &s->params,
+    .clip_planes = s->planes };
+  CHECK(chi_occlusion_create(NULL, &s->engine) == CHI_OK);
+  return s;
+}
+
+static scene* make_whole(int parallel)
+{
+  static const size_t first[3] = { 0, 0, 0 }, count[3] = { N, N, N };
+  return make_scene(parallel, first, count);
+}
+
+static void free_scene(scene* s)
+{
+  chi_occlusion_destroy(NULL, s->engine);
+  free(s);
+}
+
+static void add_plane(scene* s, double a, double b, double c, double d)
+{
+  const double plane[4] = { a, b, c, d };
+  memcpy(s->planes + 4 * s->frame.clip_plane_count++, plane, sizeof plane);
+}
+
+static chi_occlusion_image render(scene* s)
+{
+  chi_occlusion_image image;
+  CHECK(chi_occlusion_render(NULL, s->engine, &s->frame) == CHI_OK);
+  chi_occlusion_get_image(s->engine, &image);
+  CHECK(image.rgba && image.visibility);
+  return image;
+}
+
+/* Largest difference of two pictures, colours and surface visibilities. */
+static double difference(const chi_occlusion_image* a, const chi_occlusion_image* b)
+{
+  double worst = 0;
+  for (int i = 0; i < 4 * PIXELS; ++i)
+  {
+    worst = fmax(worst, fabs((double)a->rgba[i] - (double)b->rgba[i]));
+  }
+  for (int i = 0; i < PIXELS; ++i)
+  {
+    worst = fmax(worst, fabs((double)a->visibility[i] - (double)b->visibility[i]));
+  }
+  return worst;
+}
+
+static void the_picture_is_that_of_the_cut_data(void)
+{
+  /* axis, which side stays */
+  for (int k = 0; k < 12; ++k)
+  {
+    const int axis = k / 2 % 3, upper = k & 1, parallel = k < 6;
+    scene* const cut = make_whole(parallel);
+    size_t first[3] = { 0, 0, 0 }, count[3] = { N, N, N };
+    first[axis] = upper ? CUT : 0;
+    count[axis] = upper ? N - CUT : CUT + 1;
+    scene* const less = make_scene(parallel, first, count);
+    const double at = cut->volume.index_to_world[4 * axis + 3] + CUT;
+    double plane[4] = { 0, 0, 0, upper ? -at : at };
+    plane[axis] = upper ? 1 : -1;
+    /* a plane's length does not matter */
+    add_plane(cut, 3 * plane[0], 3 * plane[1], 3 * plane[2], 3 * plane[3]);
+    const chi_occlusion_image a = render(cut), b = render(less);
+    scene* const whole = make_whole(parallel);
+    const chi_occlusion_image c = render(whole);
+    /* Positions are floats of up to 40 voxels, 4e-6, times the steepest opacity; some sums round so
+     */
+    CHECK(difference(&a, &b) < 1e-4);
+    CHECK(difference(&a, &c) > 0.1);
+    free_scene(whole);
+    free_scene(less);
+    free_scene(cut);
+  }
+}
+
+static void an_oblique_cut_leaves_the_length_that_geometry_says(void)
+{
+  scene* const s = make_whole(1);
+  s->frame.surface = NULL;
+  s->opacity[0] = s->opacity[1] = 0.02f;
+  const double sigma = -log(1 - 0.02), half = 0.5 * (N - 1);
+  /* two planes; z runs from -100 - half to -100 + half */
+  add_plane(s, 0.5, 0.2, 1, 100 + 3);
+  add_plane(s, 0.3, -0.4, -1, -100 + 9);
+  const chi_occlusion_image image = render(s);
+  double worst = 0;
+  int cut = 0;
+  for (int i = 0; i < PIXELS; ++i)
+  {
+    const double x = -30 + (i % WIDTH + 0.5) * 60 / WIDTH, y = -30 + (i / WIDTH + 0.5) * 60 / WIDTH;
+    const double low = fmax(-half, -3 - 0.5 * x - 0.2 * y);
+    const double high = fmin(half, 9 + 0.3 * x - 0.4 * y);
+    const double length = fabs(x) < half && fabs(y) < half && high > low ? high - low : 0;
+    const double exact = 1 - exp(-sigma * length);
+    worst = fmax(worst, fabs((double)image.rgba[4 * i + 3] - exact));
+    cut += length > 0 && length < 2 * half;
+  }
+  CHECK(worst < 2e-5); /* entry and exit are floats of up to 40 slices: 4e-6 each; 40 sums */
+  CHECK(cut > 1000);
+  free_scene(s);
+}
+
+static void skipping_changes_no_pixel(void)
+{
+  for (int parallel = 0; parallel < 2; ++parallel)
+  {
+    scene* const s = make_whole(parallel);
+    scene* const t = make_whole(parallel);
+    for (int k = 0; k < 2; ++k)
+    {
+      scene* const u = k ? t : s;
+      u->opacity[1] = 0.9f;
+      u->params.skip = k;
+      add_plane(u, 0.5, 0.2, 1, 100 + 3);
+      add_plane(u, 0.1, -1, 0.3, 12 + 30);
+    }
+    const chi_occlusion_image a = render(s), b = render(t);
+    CHECK(difference(&a, &b) <= 1.0 / 255); /* the bound */
+    free_scene(t);
+    free_scene(s);
+  }
+}
+
+static void planes_that_cut_all_or_nothing(void)
+{
+  scene* const s = make_whole(0);
+  scene* const t = make_whole(0);
+  add_plane(t, 0, 0, 1, 500);
+  const chi_occlusion_image a = render(s), b = render(t);
+  CHECK(difference(&a, &b) < 1e-6);
+  add_plane(t, 0, 0, -1, -500);
+  const chi_occlusion_image none = render(t);
+  chi_occlusion_stats stats;
+  chi_occlusion_get_stats(t->engine, &stats);
+  double most = 0;
+  for (int i = 0; i < PIXELS; ++i)
+  {
+    most = fmax(most, (double)none.rgba[4 * i + 3]);
+  }
+  CHECK(most == 0 && stats.samples == 0);
+  t->frame.volume = NULL; /* geometry shades itself as if there were no volume */
+  t->params.sample_distance = 1;
+  const chi_occlusion_image alone = render(t);
+  CHECK(alone.visibility[WIDTH / 2 * WIDTH + 22] < 0.95f);
+  free_scene(t);
+  free_scene(s);
+}
+
+static void a_moved_plane_renders_anew_and_an_equal_one_does_not(void)
+{
+  scene* const s = make_whole(1);
+  chi_occlusion_stats stats;
+  add_plane(s, 1, 0, 0, 0);
+  render(s);
+  double copy[4];
+  memcpy(copy, s->planes, sizeof copy);
+  s->frame.clip_planes = copy;
+  render(s);
+  chi_occlusion_get_stats(s->engine, &stats);
+  CHECK(stats.reused);
+  copy[3] = 1;
+  render(s);
+  chi_occlusion_get_stats(s->engine, &stats);
+  CHECK(!stats.reused && stats.reused_classification);
+  free_scene(s);
+}
+
+static void bad_planes_are_refused(void)
+{
+  scene* const s = make_whole(1);
+  add_plane(s, 0, 0, 0, 1);
+  CHECK(chi_occlusion_render(NULL, s->engine, &s->frame) == CHI_ERROR_INVALID_ARGUMENT);
+  s->planes[0] = NAN;
+  CHECK(chi_occlusion_render(NULL, s->engine, &s->frame) == CHI_ERROR_INVALID_ARGUMENT);
+  s->planes[0] = 1;
+  s->frame.clip_plane_count = CHI_MAX_CLIP_PLANES + 1;
+  CHECK(chi_occlusion_render(NULL, s->engine, &s->frame) == CHI_ERROR_INVALID_ARGUMENT);
+  s->frame.clip_plane_count = 1;
+  s->frame.clip_planes = NULL;
+  CHECK(chi_occlusion_render(NULL, s->engine, &s->frame) == CHI_ERROR_INVALID_ARGUMENT);
+  free_scene(s);
+}
+
+int main(void)
+{
+  the_picture_is_that_of_the_cut_data();
+  an_oblique_cut_leaves_the_length_that_geometry_says();
+  skipping_changes_no_pixel();
+  planes_that_cut_all_or_nothing();
+  a_moved_plane_renders_anew_and_an_equal_one_does_not();
+  bad_planes_are_refused();
+  return chi_test_report();
+}
