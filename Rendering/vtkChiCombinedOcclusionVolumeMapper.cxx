@@ -7,74 +7,30 @@
 #endif
 #include "vtkChiCombinedOcclusionVolumeMapper.h"
 
-#include "vtkChiCameraView.h"
-#include "vtkChiCompositor.h"
+#include "vtkChiCombinedOcclusionInternals.h"
 #include "vtkChiExec.h"
-#include "vtkChiOcclusionFrame.h"
-#include "vtkChiVolumeInput.h"
-
-#include <chiaroscuro/chi_occlusion.h>
 
 #include "vtkAlgorithm.h"
 #include "vtkDataSet.h"
-#include "vtkFloatArray.h"
-#include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkMath.h"
 #include "vtkMultiVolume.h"
-#include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkOpenGLRenderPass.h"
 #include "vtkOpenGLRenderWindow.h"
-#include "vtkPointData.h"
 #include "vtkPropCollection.h"
 #include "vtkRenderer.h"
 #include "vtkTimerLog.h"
 #include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
-#include "vtkWeakPointer.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 #include <string>
 #include <vector>
 
 vtkStandardNewMacro(vtkChiCombinedOcclusionVolumeMapper);
-
-//------------------------------------------------------------------------------
-struct vtkChiCombinedOcclusionVolumeMapper::Internals
-{
-  // collected
-  vtkChiVolumeInput Input;
-  vtkChiCameraView Camera;
-  chi_occlusion_params Params = {};
-  int Viewport[4] = { 0, 0, 0, 0 };
-  double Diagonal = 0.0; // of the volume, in view or not; 0 without one
-  bool HasVolume = false;
-  bool HasSurface = false;
-  bool Peeling = false; // called by the depth peeling pass, several times a frame
-  bool First = false;   // of the mappers of this class in this frame
-  bool Shared = false;  // other volumes of the renderer have mappers of this class
-
-  vtkWeakPointer<vtkChiOcclusionFrame> Frame;
-  vtkWeakPointer<vtkRenderWindow> Window;
-  vtkWeakPointer<vtkRenderer> Scene;
-  chi_occlusion* Renderer = nullptr;
-  chi_occlusion_image Image = {};
-  chi_occlusion_stats Stats = {};
-
-  vtkChiCompositor Compositor;
-  bool LastMerged = false;
-  std::vector<float> Merged; // the picture fitted in between other mappers' pictures
-
-  double SecondsCollect = 0.0;
-  double SecondsComposite = 0.0;
-  double SecondsTotal = 0.0;
-  std::set<std::string> Warnings; // each is said once
-  std::set<std::string> Errors;   // and these again after a frame that went well
-};
 
 namespace
 {
@@ -143,20 +99,6 @@ double diagonalOfProps(vtkRenderer* renderer)
         (bounds[5] - bounds[4]) * (bounds[5] - bounds[4]))
     : 0.0;
   return std::isfinite(diagonal) ? diagonal : 0.0;
-}
-
-//------------------------------------------------------------------------------
-vtkFloatArray* allocateImage(
-  vtkImageData* image, int width, int height, int components, const char* name)
-{
-  image->Initialize();
-  image->SetDimensions(width, height, width > 0 && height > 0 ? 1 : 0);
-  vtkNew<vtkFloatArray> values;
-  values->SetName(name);
-  values->SetNumberOfComponents(components);
-  values->SetNumberOfTuples(static_cast<vtkIdType>(width) * height);
-  image->GetPointData()->SetScalars(values);
-  return vtkFloatArray::SafeDownCast(image->GetPointData()->GetScalars());
 }
 }
 
@@ -474,201 +416,6 @@ void vtkChiCombinedOcclusionVolumeMapper::Report()
 }
 
 //------------------------------------------------------------------------------
-bool vtkChiCombinedOcclusionVolumeMapper::GetVisibilityImage(vtkImageData* image)
-{
-  if (!image)
-  {
-    vtkErrorMacro("GetVisibilityImage needs a vtkImageData to write into.");
-    return false;
-  }
-  const chi_occlusion_image& from = this->Internal->Image;
-  vtkFloatArray* values = allocateImage(
-    image, from.visibility ? from.width : 0, from.visibility ? from.height : 0, 1, "Visibility");
-  if (!from.visibility)
-  {
-    return false;
-  }
-  std::copy_n(from.visibility, values->GetNumberOfTuples(), values->GetPointer(0));
-  return true;
-}
-
-//------------------------------------------------------------------------------
-bool vtkChiCombinedOcclusionVolumeMapper::GetFloatImage(vtkImageData* image)
-{
-  if (!image)
-  {
-    vtkErrorMacro("GetFloatImage needs a vtkImageData to write into.");
-    return false;
-  }
-  Internals& in = *this->Internal;
-  const chi_occlusion_image& from = in.Image;
-  vtkFloatArray* values =
-    allocateImage(image, from.rgba ? from.width : 0, from.rgba ? from.height : 0, 4, "RGBA");
-  if (!from.rgba)
-  {
-    return false;
-  }
-  const vtkIdType pixels = values->GetNumberOfTuples();
-  float* to = values->GetPointer(0);
-  std::copy_n(from.rgba, 4 * pixels, to);
-
-  if (!in.HasSurface)
-  {
-    return true;
-  }
-  vtkChiGeometryBuffer* geometry = in.Frame ? in.Frame->GetGeometry() : nullptr;
-  std::vector<float> surface;
-  if (!geometry || geometry->GetWidth() != from.width || geometry->GetHeight() != from.height ||
-    !geometry->ReadColor(vtkOpenGLRenderWindow::SafeDownCast(in.Window), surface))
-  {
-    vtkErrorMacro(
-      "GetFloatImage cannot read the colours of the opaque geometry: the window is gone or "
-      "has drawn another size since.");
-    allocateImage(image, 0, 0, 4, "RGBA");
-    return false;
-  }
-  std::vector<float> specular;
-  geometry->ReadSpecular(vtkOpenGLRenderWindow::SafeDownCast(in.Window), specular);
-  for (vtkIdType pixel = 0; pixel < pixels; ++pixel)
-  {
-    const float* lit = surface.data() + 4 * pixel;
-    if (lit[3] > 0.0f)
-    {
-      float* target = to + 4 * pixel;
-      const float through = 1.0f - target[3];
-      for (int c = 0; c < 3; ++c)
-      {
-        const float highlight = specular.empty() ? 0.0f : specular[4 * pixel + c];
-        target[c] += through * (from.visibility[pixel] * (lit[c] - highlight) + highlight);
-      }
-      target[3] = 1.0f;
-    }
-  }
-  return true;
-}
-
-//------------------------------------------------------------------------------
-bool vtkChiCombinedOcclusionVolumeMapper::GetGeometryImage(vtkImageData* image)
-{
-  if (!image)
-  {
-    vtkErrorMacro("GetGeometryImage needs a vtkImageData to write into.");
-    return false;
-  }
-  Internals& in = *this->Internal;
-  vtkChiGeometryBuffer* geometry = in.Frame ? in.Frame->GetGeometry() : nullptr;
-  std::vector<float> colors;
-  std::vector<float> normals;
-  if (!geometry || !geometry->GetView() ||
-    !geometry->ReadColor(vtkOpenGLRenderWindow::SafeDownCast(in.Window), colors) ||
-    !geometry->ReadNormals(in.Scene, normals))
-  {
-    allocateImage(image, 0, 0, 4, "RGBA");
-    return false;
-  }
-  vtkFloatArray* rgba =
-    allocateImage(image, geometry->GetWidth(), geometry->GetHeight(), 4, "RGBA");
-  const vtkIdType pixels = rgba->GetNumberOfTuples();
-  std::copy(colors.begin(), colors.end(), rgba->GetPointer(0));
-  vtkNew<vtkFloatArray> normal;
-  normal->SetName("Normal");
-  normal->SetNumberOfComponents(3);
-  normal->SetNumberOfTuples(pixels);
-  vtkNew<vtkFloatArray> depth;
-  depth->SetName("Depth");
-  depth->SetNumberOfTuples(pixels);
-  for (vtkIdType pixel = 0; pixel < pixels; ++pixel)
-  {
-    std::copy_n(normals.data() + 4 * pixel, 3, normal->GetPointer(3 * pixel));
-  }
-  std::copy(geometry->GetDepths().begin(), geometry->GetDepths().end(), depth->GetPointer(0));
-  image->GetPointData()->AddArray(normal);
-  image->GetPointData()->AddArray(depth);
-  return true;
-}
-
-//------------------------------------------------------------------------------
-vtkIdType vtkChiCombinedOcclusionVolumeMapper::GetNumberOfSamples()
-{
-  return static_cast<vtkIdType>(this->Internal->Stats.samples);
-}
-vtkIdType vtkChiCombinedOcclusionVolumeMapper::GetNumberOfSkippedSamples()
-{
-  return static_cast<vtkIdType>(this->Internal->Stats.skipped_samples);
-}
-vtkIdType vtkChiCombinedOcclusionVolumeMapper::GetNumberOfSlices()
-{
-  return static_cast<vtkIdType>(this->Internal->Stats.slices);
-}
-vtkIdType vtkChiCombinedOcclusionVolumeMapper::GetNumberOfLightUpdates()
-{
-  return static_cast<vtkIdType>(this->Internal->Stats.light_updates);
-}
-vtkIdType vtkChiCombinedOcclusionVolumeMapper::GetNumberOfSkippedLightUpdates()
-{
-  return static_cast<vtkIdType>(this->Internal->Stats.skipped_light_updates);
-}
-vtkIdType vtkChiCombinedOcclusionVolumeMapper::GetNumberOfNonFiniteSamples()
-{
-  return static_cast<vtkIdType>(this->Internal->Stats.non_finite_samples);
-}
-double vtkChiCombinedOcclusionVolumeMapper::GetSecondsCollect()
-{
-  return this->Internal->SecondsCollect;
-}
-double vtkChiCombinedOcclusionVolumeMapper::GetSecondsGeometry()
-{
-  vtkChiOcclusionFrame* frame = this->Internal->Frame;
-  return frame ? frame->GetGeometry()->GetSecondsDraw() : 0.0;
-}
-double vtkChiCombinedOcclusionVolumeMapper::GetSecondsReadBack()
-{
-  vtkChiOcclusionFrame* frame = this->Internal->Frame;
-  return frame ? frame->GetGeometry()->GetSecondsReadBack() : 0.0;
-}
-double vtkChiCombinedOcclusionVolumeMapper::GetSecondsBricks()
-{
-  return this->Internal->Stats.seconds_bricks;
-}
-double vtkChiCombinedOcclusionVolumeMapper::GetSecondsClassification()
-{
-  return this->Internal->Stats.seconds_classification;
-}
-double vtkChiCombinedOcclusionVolumeMapper::GetSecondsVisibleSet()
-{
-  return this->Internal->Stats.seconds_visible_set;
-}
-double vtkChiCombinedOcclusionVolumeMapper::GetSecondsSlices()
-{
-  return this->Internal->Stats.seconds_slices;
-}
-double vtkChiCombinedOcclusionVolumeMapper::GetSecondsEngine()
-{
-  return this->Internal->Stats.seconds_total;
-}
-double vtkChiCombinedOcclusionVolumeMapper::GetSecondsComposite()
-{
-  return this->Internal->SecondsComposite;
-}
-double vtkChiCombinedOcclusionVolumeMapper::GetSecondsTotal()
-{
-  return this->Internal->SecondsTotal;
-}
-bool vtkChiCombinedOcclusionVolumeMapper::GetReusedLastFrame()
-{
-  return this->Internal->Stats.reused != 0;
-}
-bool vtkChiCombinedOcclusionVolumeMapper::GetReusedGeometry()
-{
-  vtkChiOcclusionFrame* frame = this->Internal->Frame;
-  return frame && frame->GetGeometry()->GetReused();
-}
-const char* vtkChiCombinedOcclusionVolumeMapper::GetInstructionSet()
-{
-  return chi_occlusion_instruction_set();
-}
-
-//------------------------------------------------------------------------------
 void vtkChiCombinedOcclusionVolumeMapper::ReleaseGraphicsResources(vtkWindow* window)
 {
   Internals& in = *this->Internal;
@@ -677,34 +424,4 @@ void vtkChiCombinedOcclusionVolumeMapper::ReleaseGraphicsResources(vtkWindow* wi
   {
     in.Frame->GetGeometry()->ReleaseGraphicsResources(window);
   }
-}
-
-//------------------------------------------------------------------------------
-void vtkChiCombinedOcclusionVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  os << indent << "ConeAngle: " << this->ConeAngle << "\n";
-  os << indent << "NumberOfDirections: " << this->NumberOfDirections << "\n";
-  os << indent << "SampleDistance: " << this->SampleDistance << "\n";
-  os << indent << "OcclusionStrength: " << this->OcclusionStrength << "\n";
-  os << indent << "OcclusionBias: " << this->OcclusionBias << "\n";
-  os << indent << "GeometryThickness: " << this->GeometryThickness << "\n";
-  os << indent << "GeometryOpacity: " << this->GeometryOpacity << "\n";
-  os << indent << "VicinityOcclusion: " << this->VicinityOcclusion << "\n";
-  os << indent << "VicinityDistance: " << this->VicinityDistance << "\n";
-  os << indent << "VicinityDepthBias: " << this->VicinityDepthBias << "\n";
-  os << indent << "NumberOfVicinitySamples: " << this->NumberOfVicinitySamples << "\n";
-  os << indent << "CombineMode: " << (this->CombineMode == COMBINE_MINIMUM ? "Minimum" : "Product")
-     << "\n";
-  os << indent << "OcclusionResolution: " << (this->OcclusionResolution == HALF ? "Half" : "Full")
-     << "\n";
-  os << indent
-     << "OcclusionMethod: " << (this->OcclusionMethod == PUBLISHED ? "Published" : "Ordinates")
-     << "\n";
-  os << indent << "Engine: " << this->Engine << "\n";
-  os << indent << "VolumeToVolume: " << this->VolumeToVolume << "\n";
-  os << indent << "VolumeToGeometry: " << this->VolumeToGeometry << "\n";
-  os << indent << "GeometryToVolume: " << this->GeometryToVolume << "\n";
-  os << indent << "GeometryToGeometry: " << this->GeometryToGeometry << "\n";
-  os << indent << "Skipping: " << this->Skipping << "\n";
 }
