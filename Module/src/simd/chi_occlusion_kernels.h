@@ -41,6 +41,7 @@ typedef struct chi_sample_frame
 {
   const void* scalars;
   int fetch, nearest;
+  int general;               /* non-zero: colours are not those of the table alone */
   int32_t step_y, step_z;    /* samples; 0 along an axis of one sample */
   int32_t step_x;            /* 1, or 0 along an axis of one sample */
   int32_t last_load;         /* largest byte offset of a four-byte load / sample size scale */

@@ -108,6 +108,7 @@ typedef struct sample_piece
   int32_t entering[PIECE];
   float depth[PIECE]; /* optical thickness along the view axis */
   int32_t color[PIECE];
+  float rgb[3][PIECE]; /* `general` runs only: colours that later stages may change */
 } sample_piece;
 
 /* Where the samples lie, which of them anybody needs, and their places in the tables. */
@@ -227,8 +228,23 @@ CHI_INLINE void classify_piece(chi_sample_row* row, sample_piece* piece, int x_b
   }
 }
 
+/* Colours as vectors of their own, for the stages of a general run that change them. */
+CHI_INLINE void color_piece(chi_sample_row* row, sample_piece* piece, int count)
+{
+  for (int i = 0; i < count; i += CHI_LANES)
+  {
+    vf color[4];
+    vf_load_entries(row->frame->rgba, piece->color + i, color);
+    for (int c = 0; c < 3; ++c)
+    {
+      vf_store(piece->rgb[c] + i, color[c]);
+    }
+  }
+}
+
 /* What the eye gets of it. */
-CHI_INLINE void composite_piece(chi_sample_row* row, sample_piece* piece, int x_begin, int count)
+CHI_INLINE void composite_piece(
+  chi_sample_row* row, sample_piece* piece, int x_begin, int count, const int general)
 {
   const chi_sample_frame* const s = row->frame;
   for (int i = 0; i < count; i += CHI_LANES)
@@ -264,7 +280,17 @@ CHI_INLINE void composite_piece(chi_sample_row* row, sample_piece* piece, int x_
       weight *= vf_load(row->visibility + x);
     }
     vf color[4];
-    vf_load_entries(s->rgba, piece->color + i, color);
+    if (general)
+    {
+      for (int c = 0; c < 3; ++c)
+      {
+        color[c] = vf_load(piece->rgb[c] + i);
+      }
+    }
+    else
+    {
+      vf_load_entries(s->rgba, piece->color + i, color);
+    }
     for (int c = 0; c < 3; ++c)
     {
       vf_store(row->color[c] + x, vf_load(row->color[c] + x) + weight * color[c]);
@@ -272,8 +298,9 @@ CHI_INLINE void composite_piece(chi_sample_row* row, sample_piece* piece, int x_
   }
 }
 
-CHI_INLINE void sample_run(
-  chi_sample_row* row, int x_begin, int x_end, const int fetch, const int nearest)
+/* `general`: colours are computed, not only looked up. */
+CHI_INLINE void sample_run(chi_sample_row* row, int x_begin, int x_end, const int fetch,
+  const int nearest, const int general)
 {
   sample_piece piece;
   for (int x = x_begin; x < x_end; x += PIECE)
@@ -281,37 +308,46 @@ CHI_INLINE void sample_run(
     const int count = x_end - x < PIECE ? x_end - x : PIECE;
     fetch_piece(row, &piece, x, count, fetch, nearest);
     classify_piece(row, &piece, x, count);
-    composite_piece(row, &piece, x, count);
+    if (general)
+    {
+      color_piece(row, &piece, count);
+    }
+    composite_piece(row, &piece, x, count, general);
+  }
+}
+
+/* One body an input type and interpolation; general runs, which are slow anyhow, share one body. */
+CHI_INLINE void sample_fetch(chi_sample_row* row, int x_begin, int x_end, const int fetch)
+{
+  if (row->frame->general)
+  {
+    sample_run(row, x_begin, x_end, fetch, row->frame->nearest, 1);
+  }
+  else if (row->frame->nearest)
+  {
+    sample_run(row, x_begin, x_end, fetch, 1, 0);
+  }
+  else
+  {
+    sample_run(row, x_begin, x_end, fetch, 0, 0);
   }
 }
 
 static void sample(chi_sample_row* row, int x_begin, int x_end)
 {
-  switch (row->frame->fetch * 2 + row->frame->nearest)
+  switch (row->frame->fetch)
   {
-    case CHI_FETCH_U8 * 2:
-      sample_run(row, x_begin, x_end, CHI_FETCH_U8, 0);
+    case CHI_FETCH_U8:
+      sample_fetch(row, x_begin, x_end, CHI_FETCH_U8);
       break;
-    case CHI_FETCH_I16 * 2:
-      sample_run(row, x_begin, x_end, CHI_FETCH_I16, 0);
+    case CHI_FETCH_I16:
+      sample_fetch(row, x_begin, x_end, CHI_FETCH_I16);
       break;
-    case CHI_FETCH_U16 * 2:
-      sample_run(row, x_begin, x_end, CHI_FETCH_U16, 0);
-      break;
-    case CHI_FETCH_F32 * 2:
-      sample_run(row, x_begin, x_end, CHI_FETCH_F32, 0);
-      break;
-    case CHI_FETCH_U8 * 2 + 1:
-      sample_run(row, x_begin, x_end, CHI_FETCH_U8, 1);
-      break;
-    case CHI_FETCH_I16 * 2 + 1:
-      sample_run(row, x_begin, x_end, CHI_FETCH_I16, 1);
-      break;
-    case CHI_FETCH_U16 * 2 + 1:
-      sample_run(row, x_begin, x_end, CHI_FETCH_U16, 1);
+    case CHI_FETCH_U16:
+      sample_fetch(row, x_begin, x_end, CHI_FETCH_U16);
       break;
     default:
-      sample_run(row, x_begin, x_end, CHI_FETCH_F32, 1);
+      sample_fetch(row, x_begin, x_end, CHI_FETCH_F32);
       break;
   }
 }
