@@ -32,8 +32,9 @@ typedef struct frame_key
   double geometry_opacity, vicinity_distance, vicinity_bias;
   double clip_planes[4 * CHI_MAX_CLIP_PLANES];
   const void* depth;
-  uint64_t surface_version;
-  int64_t integers[14];
+  const void* layers[2];
+  uint64_t surface_version, layers_version;
+  int64_t integers[15];
 } frame_key;
 
 struct chi_occlusion
@@ -167,7 +168,7 @@ static chi_status check_frame(const chi_occlusion_frame* frame)
 {
   if (!frame || !camera_is_valid(frame->camera) || !params_are_valid(frame->params) ||
     (frame->volume && !transfer_is_valid(frame->transfer)) ||
-    (frame->surface && !frame->surface->depth) || frame->clip_plane_count > CHI_MAX_CLIP_PLANES ||
+    (frame->surface && !frame->surface->depth) || !chi_layers_are_valid(frame->layers) || frame->clip_plane_count > CHI_MAX_CLIP_PLANES ||
     (frame->clip_plane_count &&
       !(frame->clip_planes && all_finite(frame->clip_planes, 4 * (int)frame->clip_plane_count))) ||
     (frame->probes && frame->probes->count &&
@@ -235,10 +236,16 @@ static frame_key key_of_frame(const chi_occlusion_frame* frame)
     key.depth = frame->surface->depth;
     key.surface_version = frame->surface->version;
   }
+  if (frame->layers)
+  {
+    key.layers[0] = frame->layers->depth;
+    key.layers[1] = frame->layers->rgba;
+    key.layers_version = frame->layers->version;
+  }
   const int64_t integers[] = { c->parallel, c->width, c->height, p->method, p->directions,
     p->half_size, p->interactions, p->skip, frame->volume != NULL, frame->surface != NULL,
     frame->volume ? frame->volume->is_cell_data : 0, p->combine, p->vicinity_samples,
-    (int64_t)frame->clip_plane_count };
+    (int64_t)frame->clip_plane_count, frame->layers ? frame->layers->count : 0 };
   memcpy(key.integers, integers, sizeof integers);
   return key;
 }

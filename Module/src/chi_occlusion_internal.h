@@ -108,6 +108,9 @@ chi_status chi_surface_intervals(const chi_exec* exec, const chi_scene* scene,
   const chi_surface_view* surface, double thickness, size_t stride, size_t padded,
   float* slice_depth, float* receiver, float* begin, float* end);
 
+/* Whether these layers can be drawn; none at all can. */
+int chi_layers_are_valid(const chi_layers_view* layers);
+
 enum
 {
   CHI_MAX_VICINITY_SAMPLES = 118 /* Schott et al. 2013, section 3.2.5 */
@@ -137,6 +140,7 @@ typedef struct chi_march
 {
   chi_buffer planes; /* float, picture-sized state; see chi_occlusion_march.c */
   chi_buffer cells, last_slab, live, live_row, sampled, done, order, reach, steps, ranges, scratch;
+  chi_buffer layers, layer_flags; /* see chi_layers.c */
   chi_light_field field[2];
 } chi_march;
 

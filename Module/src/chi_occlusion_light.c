@@ -127,5 +127,9 @@ void chi_march_light_band(
   {
     chi_march_light_surfaces(m, slab, y);
   }
+  for (int64_t y = rows[0]; y < rows[1] && m->layers; ++y)
+  {
+    chi_layers_light(m, slab, y);
+  }
   chi_march_read_probes(m, slab, rows[0], rows[1]);
 }

@@ -267,6 +267,7 @@ chi_status chi_march_run(const chi_exec* exec, chi_march* keep, const chi_scene*
     .keep = keep,
     .bricks = bricks,
     .classification = classification,
+    .layers = frame->layers ? frame->layers->count : 0,
     .keep_all = !frame->params->skip,
     .strength = (float)frame->params->strength,
     .shaded = frame->params->strength > 0 };
@@ -285,6 +286,10 @@ chi_status chi_march_run(const chi_exec* exec, chi_march* keep, const chi_scene*
     {
       status = chi_for(exec, (size_t)scene->light_height, chi_march_gather_ranges, &m);
     }
+  }
+  if (status == CHI_OK && m.layers)
+  {
+    status = chi_layers_plan(&m);
   }
   if (status == CHI_OK && m.blocks > 0)
   {
@@ -306,6 +311,14 @@ chi_status chi_march_run(const chi_exec* exec, chi_march* keep, const chi_scene*
   if (status == CHI_OK && frame->surface)
   {
     status = chi_for(exec, (size_t)scene->height, chi_march_light_rest, &m);
+  }
+  if (status == CHI_OK && m.layers)
+  {
+    status = chi_for(exec, (size_t)scene->height, chi_layers_light_rest, &m);
+  }
+  if (status == CHI_OK && m.layers)
+  {
+    status = chi_for(exec, (size_t)scene->height, chi_layers_finish, &m);
   }
   if (status == CHI_OK)
   {
@@ -337,7 +350,7 @@ void chi_march_free(const chi_exec* exec, chi_march* keep)
 {
   chi_buffer* const all[] = { &keep->planes, &keep->cells, &keep->last_slab, &keep->live,
     &keep->live_row, &keep->sampled, &keep->done, &keep->order, &keep->reach, &keep->steps,
-    &keep->ranges, &keep->scratch };
+    &keep->ranges, &keep->scratch, &keep->layers, &keep->layer_flags };
   for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
   {
     chi_buffer_free(exec, all[i]);

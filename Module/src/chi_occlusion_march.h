@@ -36,6 +36,11 @@ enum
   BLOCK_END,
   SURFACE_VISIBILITY,
   PICTURE_PLANES,
+  LAYER_DEPTH = 0, /* of chi_march.layers, CHI_MAX_LAYERS each: slices; INFINITY: none */
+  LAYER_WEIGHT = LAYER_DEPTH + CHI_MAX_LAYERS,      /* transmittance in front of the layer */
+  LAYER_VISIBILITY = LAYER_WEIGHT + CHI_MAX_LAYERS, /* before strength */
+  LAYER_RED = LAYER_VISIBILITY + CHI_MAX_LAYERS,    /* and green, blue, transmittance: */
+  LAYER_PLANES = LAYER_RED + 4,                     /* a row before it is sampled */
   LIGHT_TAU = 0,
   GEOMETRY,
   LIGHT_PLANES
@@ -94,6 +99,11 @@ typedef struct march
   light_step* steps;  /* [slabs] */
   int64_t* order;     /* [tickets][2] block, band */
   atomic_uchar* done; /* [blocks][bands] */
+  int layers;         /* translucent ones a pixel at most; 0: the next four are not there */
+  float* layer_planes;  /* [rows][LAYER_PLANES][stride] */
+  float* layer_next;    /* [rows][cells_x] depth of the nearest layer that is not blended yet */
+  float* layer_steps;   /* [light rows][segments][2] first and last step that lights a layer */
+  uint8_t* layer_first; /* [rows][stride] layers of a pixel that are blended */
   int fields;
   int surface_field;
   int keep_all, shaded;
@@ -146,10 +156,10 @@ static inline uint8_t* dirty_row(const march* m, const chi_light_field* f, int64
 }
 
 /*
- * Weights of three light pixels at an offset t from the middle one, |t| <= 1/2. Full size: linear. Half
- * size: light pixels are means of 2 x 2 pixels, so that what they say of a point is the parabola that has
- * these three means (hence 1/24); what it overshoots is cut to 0 ... 1. Linear weights would blur once
- * more (mean error on the brain, 16 directions: 0.0107).
+ * Weights of three light pixels at an offset t from the middle one, |t| <= 1/2. Full size: linear.
+ * Half size: light pixels are means of 2 x 2 pixels, so that what they say of a point is the
+ * parabola that has these three means (hence 1/24); what it overshoots is cut to 0 ... 1. Linear
+ * weights would blur once more (mean error on the brain, 16 directions: 0.0107).
  */
 static inline void chi_light_weights(int scale, double t, double weight[3])
 {
@@ -186,6 +196,17 @@ void chi_march_light_surfaces(const march* m, int64_t step, int64_t by);
 void chi_march_light_rest(void* data, size_t begin, size_t end);
 void chi_march_read_probes(const march* m, int64_t step, int64_t begin, int64_t end);
 void chi_march_read_last_probes(const march* m);
+
+double chi_march_visibility(const march* m, double slices, int64_t x, int64_t y);
+
+/* chi_layers.c; the first, third and last are bodies of parallel loops over rows, light rows and
+ * rows */
+chi_status chi_layers_plan(march* m);
+void chi_layers_light(const march* m, int64_t step, int64_t by);
+void chi_layers_light_rest(void* data, size_t begin, size_t end);
+int chi_layers_before(march* m, chi_sample_row* row, int64_t y, int first_cell, int end_cell);
+void chi_layers_after(march* m, chi_sample_row* row, int64_t y, int first_cell, int end_cell);
+void chi_layers_finish(void* data, size_t begin, size_t end);
 
 /* chi_occlusion_samples.c */
 void chi_march_sample_row(

@@ -138,7 +138,7 @@ static void plan_fields(march* m)
     return;
   }
   m->fields = f[0].volume || f[0].geometry;
-  if (has_surface && (to_surface[0] != to_volume[0] || to_surface[1] != to_volume[1]))
+  if ((has_surface || m->layers) && (to_surface[0] != to_volume[0] || to_surface[1] != to_volume[1]))
   {
     f[1].volume = to_surface[0];
     f[1].geometry = to_surface[1];

@@ -163,13 +163,18 @@ static double to_light(const chi_scene* s, double pixel)
   return pixel / s->scale - 0.5;
 }
 
-static void light_surface(const march* m, int64_t y, int64_t x)
+/* What geometry at this depth of a pixel receives, before strength. */
+double chi_march_visibility(const march* m, double slices, int64_t x, int64_t y)
 {
   const chi_scene* const s = m->scene;
-  const double plane = chi_march_receiver_plane(s, (double)picture(m, RECEIVER, y)[x]);
-  const double v = visibility_at(m, &m->keep->field[m->surface_field], plane,
+  return visibility_at(m, &m->keep->field[m->surface_field], chi_march_receiver_plane(s, slices),
     to_light(s, (double)x + 0.5), to_light(s, (double)y + 0.5));
-  picture(m, SURFACE_VISIBILITY, y)[x] = (float)v;
+}
+
+static void light_surface(const march* m, int64_t y, int64_t x)
+{
+  const double depth = (double)picture(m, RECEIVER, y)[x];
+  picture(m, SURFACE_VISIBILITY, y)[x] = (float)chi_march_visibility(m, depth, x, y);
 }
 
 /* Surfaces of one light row whose planes are complete in this step. */

@@ -149,7 +149,12 @@ void chi_march_sample_row(
        * half a slice there and leave a saw-tooth of light. */
       row->visibility = live[cx] ? run_visibility(m, slab, (double)segment, y, x0, x1) : NULL;
       row->any_tau = 0;
+      const int layered = m->layers && chi_layers_before(m, row, y, cx, end);
       m->kernels->sample(row, x0, x1);
+      if (layered)
+      {
+        chi_layers_after(m, row, y, cx, end);
+      }
       if (row->any_tau)
       {
         for (int k = cx; k < end; ++k)

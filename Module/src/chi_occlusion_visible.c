@@ -174,6 +174,12 @@ void chi_march_last_slab(const march* m, int band, int segment, int64_t last[2])
     const int64_t slab = step < (float)s->slabs ? (int64_t)fmaxf(step, -1) : s->slabs;
     last[1] = slab > last[1] ? slab : last[1];
   }
+  for (int64_t y = rows[0]; y < rows[1] && m->layers; ++y)
+  {
+    const float step = m->layer_steps[2 * ((size_t)y * (size_t)m->segments + (size_t)segment) + 1];
+    const int64_t slab = step < (float)s->slabs ? (int64_t)fmaxf(step, -1) : s->slabs;
+    last[1] = slab > last[1] ? slab : last[1];
+  }
   const int64_t cy0 = rows[0] * s->scale / CHI_CELL_HEIGHT;
   const int64_t cy1 = (rows[1] * s->scale - 1) / CHI_CELL_HEIGHT;
   const int64_t width = (int64_t)CHI_SEGMENT * s->scale;

@@ -107,14 +107,16 @@ typedef struct chi_occlusion_frame
    * coordinates; what is cut away neither draws nor blocks light. */
   const double* clip_planes; /**< [clip_plane_count x 4], not all of a, b, c zero */
   size_t clip_plane_count;   /**< 0 ... CHI_MAX_CLIP_PLANES */
+  const chi_layers_view* layers; /**< NULL: no translucent geometry */
 } chi_occlusion_frame;
 
 /** The last picture, owned by the handle, valid until its next call. Row 0 is the lowest. */
 typedef struct chi_occlusion_image
 {
   int32_t width, height;
-  const float* rgba;       /**< [height x width x 4] the volume alone: premultiplied colour, alpha;
-                                in front of the surface where there is one */
+  const float* rgba;       /**< [height x width x 4] the volume and the translucent layers:
+                                premultiplied colour, alpha; in front of the surface where there is
+                                one */
   const float* visibility; /**< [height x width] of the surface, planes and vicinity combined, after
                                 strength: its ambient and
                                 diffuse colour is to be multiplied by it; 1 where there is none */

@@ -19,6 +19,26 @@ typedef struct chi_surface_view
   uint64_t version;   /**< differs whenever the depths do */
 } chi_surface_view;
 
+enum
+{
+  CHI_MAX_LAYERS = 4
+};
+
+/** Translucent geometry per pixel, layer by layer, borrowed. It neither blocks light nor ends rays:
+ * each layer is blended where its depth lies in the volume, and receives light as a surface does. */
+typedef struct chi_layers_view
+{
+  size_t struct_size;
+  const float* depth; /**< [count x height x width] depth as in chi_surface_view, nearest layer
+                         first; no layer where it is not a positive number, infinite, or not in
+                         front of the surface. One nearer than the layer before counts as there */
+  const float* rgba;  /**< [count x height x width x 4] colour premultiplied by alpha, and alpha 0
+                         ... 1; what is not finite is no layer */
+  uint64_t version;   /**< differs whenever depths or colours do */
+  int32_t count;      /**< layers, 0 ... CHI_MAX_LAYERS */
+  int32_t reserved;
+} chi_layers_view;
+
 #ifdef __cplusplus
 }
 #endif
