@@ -34,6 +34,7 @@ typedef struct frame_key
   const void* depth;
   const void* layers[2];
   uint64_t surface_version, layers_version;
+  double lights[8]; /* directions, the second one's cone and share */
   int64_t integers[15];
 } frame_key;
 
@@ -150,12 +151,24 @@ static int transfer_is_valid(const chi_transfer_view* t)
     isfinite(t->unit_distance);
 }
 
-static int params_are_valid(const chi_occlusion_params* p)
+static int cone_is_valid(double angle)
 {
   const double degree = 0.017453292519943295;
+  return angle >= 0.999999 * degree && angle <= 85.000001 * degree;
+}
+
+static int lights_are_valid(const chi_occlusion_params* p)
+{
+  return cone_is_valid(p->cone_angle_rad) && all_finite(p->light_direction, 3) &&
+    all_finite(p->second_light_direction, 3) && p->second_light_share >= 0 &&
+    p->second_light_share <= 1 &&
+    (p->second_light_cone_angle_rad == 0 || cone_is_valid(p->second_light_cone_angle_rad));
+}
+
+static int params_are_valid(const chi_occlusion_params* p)
+{
   return p && (p->method == CHI_OCCLUSION_ORDINATES || p->method == CHI_OCCLUSION_PUBLISHED) &&
-    p->directions >= 1 && p->directions <= CHI_MAX_DIRECTIONS &&
-    p->cone_angle_rad >= 0.999999 * degree && p->cone_angle_rad <= 85.000001 * degree &&
+    p->directions >= 1 && p->directions <= CHI_MAX_DIRECTIONS && lights_are_valid(p) &&
     p->strength >= 0 && p->strength <= 1 && p->sample_distance >= 0 &&
     isfinite(p->sample_distance) && isfinite(p->bias) && p->geometry_thickness >= 0 &&
     (p->combine == CHI_COMBINE_PRODUCT || p->combine == CHI_COMBINE_MINIMUM) &&
@@ -223,6 +236,10 @@ static frame_key key_of_frame(const chi_occlusion_frame* frame)
   key.geometry_opacity = p->geometry_opacity;
   key.vicinity_distance = p->vicinity_distance;
   key.vicinity_bias = p->vicinity_bias;
+  memcpy(key.lights, p->light_direction, sizeof p->light_direction);
+  memcpy(key.lights + 3, p->second_light_direction, sizeof p->second_light_direction);
+  key.lights[6] = p->second_light_cone_angle_rad;
+  key.lights[7] = p->second_light_share;
   if (frame->volume)
   {
     memcpy(key.index_to_world, frame->volume->index_to_world, sizeof key.index_to_world);
@@ -338,6 +355,10 @@ chi_status chi_occlusion_render(
     return status;
   }
   o->stats = (chi_occlusion_stats){ .struct_size = sizeof o->stats };
+  for (int k = 0; k < scene.lights; ++k)
+  {
+    o->stats.moved_lights += scene.light[k].moved;
+  }
   if (frame->volume)
   {
     status = prepare_volume(exec, o, frame, &scene);

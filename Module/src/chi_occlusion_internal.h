@@ -68,6 +68,16 @@ void chi_classification_free(const chi_exec* exec, chi_classification* classific
 int64_t chi_classification_count(const chi_classification* c, const chi_bricks* bricks,
   const double low[3], const double high[3], int64_t* all);
 
+/* A soft light: the cone about an axis, in view coordinates. */
+typedef struct chi_light
+{
+  double axis[3];  /* unit vector to the light; (0, 0, 1): the eye's side */
+  double slope[2]; /* of the axis: axis[0] / axis[2], axis[1] / axis[2] */
+  double cone;     /* half angle, radians */
+  double share;    /* of all light */
+  int moved;       /* the axis asked for was too steep */
+} chi_light;
+
 /* Stage 3: where slices, slabs and light pixels lie. Everything that both engines must agree on. */
 typedef struct chi_scene
 {
@@ -86,11 +96,20 @@ typedef struct chi_scene
   int64_t group, slabs;
   int64_t volume_begin, volume_end; /* slabs with samples */
   double bias;                      /* in slabs */
-  int directions;
-  float tangent[2][CHI_MAX_DIRECTIONS]; /* slopes of the cone's directions */
-  float mean_length;
+  int lights;                       /* 1 or 2 */
+  chi_light light[2];
+  int directions; /* of all lights; taps of the published rule */
+  /* To the light, against the pixel's own ray: light of direction m goes through (x, y) + depth
+   * towards the eye x (tangent[0], tangent[1]). */
+  float tangent[2][CHI_MAX_ORDINATES];
+  float weight[CHI_MAX_ORDINATES]; /* of the directions in visibility; they add up to 1 */
+  int weighted;                    /* they are not all equal */
+  float mean_length;               /* path length a unit depth, by weight */
   int published;
 } chi_scene;
+
+/* Lights, directions and weights of a scene; `published` is set. chi_directions.c */
+void chi_scene_place_lights(chi_scene* scene, const chi_occlusion_params* params);
 
 chi_status chi_scene_build(
   chi_scene* scene, const chi_occlusion_frame* frame, double surface_near, double surface_far);

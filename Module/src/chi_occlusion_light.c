@@ -63,13 +63,13 @@ static void light_piece(
     }
     return;
   }
-  float length[CHI_MAX_DIRECTIONS], length_x[CHI_MAX_DIRECTIONS];
+  float length[CHI_MAX_ORDINATES], length_x[CHI_MAX_ORDINATES];
   if (has_tau)
   {
-    static const float none[CHI_MAX_DIRECTIONS] = { 0 };
+    const float axis[2] = { (float)s->light[0].slope[0], (float)s->light[0].slope[1] };
     const double center = (x + 0.5) * s->scale - 0.5, row = ((double)y + 0.5) * s->scale - 0.5;
-    m->kernels->path_lengths(s->published ? none : s->tangent[0],
-      s->published ? none : s->tangent[1], planes, (float)(s->slope_x + center * s->slope_dx),
+    m->kernels->path_lengths(s->published ? axis : s->tangent[0],
+      s->published ? axis + 1 : s->tangent[1], planes, (float)(s->slope_x + center * s->slope_dx),
       (float)(s->slope_y + row * s->slope_dy), (float)(s->slope_dx * s->scale), CHI_SEGMENT, length,
       length_x);
   }
@@ -81,6 +81,8 @@ static void light_piece(
     .weight = (const float(*)[4])m->steps[slab].weight,
     .stride = m->light_row,
     .directions = s->directions,
+    .share = s->weighted ? s->weight : NULL,
+    .factor = 1,
     .tau = has_tau ? tau + x : NULL,
     .length = length,
     .length_x = length_x,

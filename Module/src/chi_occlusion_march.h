@@ -58,8 +58,8 @@ enum
 /* The shift of one slab, for all directions. */
 typedef struct light_step
 {
-  ptrdiff_t offset[CHI_MAX_DIRECTIONS];
-  float weight[CHI_MAX_DIRECTIONS][4];
+  ptrdiff_t offset[CHI_MAX_ORDINATES];
+  float weight[CHI_MAX_ORDINATES][4];
 } light_step;
 
 /* One frame's march: borrowed scene, buffers of chi_march, and the state that tasks share. */

@@ -124,9 +124,10 @@ static double beyond_last_plane(
   {
     const double px = x + (double)s->tangent[0][k] * s->pixels_x * shift;
     const double py = y + (double)s->tangent[1][k] * s->pixels_y * shift;
+    const double weight = s->weighted ? (double)s->weight[k] : 1;
     if (!(px > -1 && py > -1 && px < s->light_width && py < s->light_height))
     {
-      sum += 1; /* from outside the picture */
+      sum += weight; /* from outside the picture */
       continue;
     }
     const int64_t i = (int64_t)floor(px), j = (int64_t)floor(py);
@@ -134,10 +135,11 @@ static double beyond_last_plane(
     const float* const a = row_of_light(m, f, s->slabs & 1, j) + i +
       (s->published ? 0 : (ptrdiff_t)k * (ptrdiff_t)m->light_stride);
     const float* const b = a + m->light_row;
-    sum += (1 - v) * ((1 - u) * (double)a[0] + u * (double)a[1]) +
-      v * ((1 - u) * (double)b[0] + u * (double)b[1]);
+    sum += weight *
+      ((1 - v) * ((1 - u) * (double)a[0] + u * (double)a[1]) +
+        v * ((1 - u) * (double)b[0] + u * (double)b[1]));
   }
-  return sum / s->directions;
+  return s->weighted ? fmin(sum, 1) : sum / s->directions; /* the weights are floats */
 }
 
 /* Visibility between planes at `plane`, before strength. */

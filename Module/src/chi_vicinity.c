@@ -19,8 +19,8 @@ typedef struct vicinity_job
   const float* depth;
   const chi_occlusion_params* params;
   double pixels[2]; /* pixels a world unit (parallel), or a unit of slope */
-  double radius;    /* world units */
-  double disc[CHI_MAX_VICINITY_SAMPLES][2];
+  double radius[2]; /* of each light's base of its cone, world units */
+  double disc[2][CHI_MAX_VICINITY_SAMPLES][2];
   float* visibility;
 } vicinity_job;
 
@@ -48,7 +48,7 @@ static double slope_at(
 
 /* How far a neighbour blocks, 0 to 1; `lead`: by how much it is nearer to the eye than the tangent
  * plane, which rises by `rise` on the way. */
-static double blocks(const vicinity_job* it, double lead, double rise)
+static double blocks(const vicinity_job* it, double radius, double lead, double rise)
 {
   const chi_occlusion_params* const p = it->params;
   if (p->vicinity_bias > 0)
@@ -60,29 +60,35 @@ static double blocks(const vicinity_job* it, double lead, double rise)
    * farther off than the virtual slice are the light planes' part; between one and two slices one
    * hands over to the other. */
   const double far = 2 - lead / p->vicinity_distance;
-  return lead > 0.05 * it->radius + 0.2 * rise ? (far < 0 ? 0 : far < 1 ? far : 1) : 0;
+  return lead > 0.05 * radius + 0.2 * rise ? (far < 0 ? 0 : far < 1 ? far : 1) : 0;
 }
 
 static double vicinity(const vicinity_job* it, int64_t x, int64_t y, double z)
 {
   const int count = it->params->vicinity_samples, plane = !(it->params->vicinity_bias > 0);
-  const double scale = it->scene->parallel ? it->radius : it->radius / z;
-  const double reach[2] = { it->pixels[0] * scale, it->pixels[1] * scale };
   const double slope_x = plane ? slope_at(it, x, y, 1, 0, z) : 0;
   const double slope_y = plane ? slope_at(it, x, y, 0, 1, z) : 0;
-  double blocked = 0;
-  for (int k = 0; k < count; ++k)
+  double all = 0;
+  for (int light = 0; light < it->scene->lights; ++light)
   {
-    const double dx = floor(it->disc[k][0] * reach[0] + 0.5);
-    const double dy = floor(it->disc[k][1] * reach[1] + 0.5);
-    if (fabs(dx) < it->scene->width && fabs(dy) < it->scene->height)
+    const double radius = it->radius[light], scale = it->scene->parallel ? radius : radius / z;
+    const double reach[2] = { it->pixels[0] * scale, it->pixels[1] * scale };
+    double blocked = 0;
+    for (int k = 0; k < count; ++k)
     {
-      const double expected = z + dx * slope_x + dy * slope_y;
-      const double rise = fabs(dx * slope_x) + fabs(dy * slope_y);
-      blocked += blocks(it, expected - depth_at(it, x + (int64_t)dx, y + (int64_t)dy), rise);
+      const double dx = floor(it->disc[light][k][0] * reach[0] + 0.5);
+      const double dy = floor(it->disc[light][k][1] * reach[1] + 0.5);
+      if (fabs(dx) < it->scene->width && fabs(dy) < it->scene->height)
+      {
+        const double expected = z + dx * slope_x + dy * slope_y;
+        const double rise = fabs(dx * slope_x) + fabs(dy * slope_y);
+        const double lead = expected - depth_at(it, x + (int64_t)dx, y + (int64_t)dy);
+        blocked += blocks(it, radius, lead, rise);
+      }
     }
+    all += it->scene->light[light].share * (blocked / count);
   }
-  return 1 - blocked / count;
+  return 1 - all;
 }
 
 static void combine_rows(void* data, size_t begin, size_t end)
@@ -118,14 +124,19 @@ chi_status chi_vicinity(const chi_exec* exec, const chi_scene* scene,
     .depth = surface->depth,
     .params = params,
     .pixels = { scene->pixels_x * scene->scale, scene->pixels_y * scene->scale },
-    .radius = params->vicinity_distance * tan(params->cone_angle_rad),
     .visibility = visibility };
-  for (int k = 0; k < params->vicinity_samples; ++k)
+  for (int light = 0; light < scene->lights; ++light)
   {
-    /* Equal areas along the golden spiral (Vogel 1979) in place of a table of Poisson's */
-    const double r = sqrt((k + 0.5) / params->vicinity_samples), turn = 2.39996322972865332 * k;
-    job.disc[k][0] = r * cos(turn);
-    job.disc[k][1] = r * sin(turn);
+    /* The base of the cone in the virtual slice; that of a tilted light lies aside. */
+    const double slope = tan(scene->light[light].cone);
+    job.radius[light] = params->vicinity_distance * slope;
+    for (int k = 0; k < params->vicinity_samples; ++k)
+    {
+      /* Equal areas along the golden spiral (Vogel 1979) in place of a table of Poisson's */
+      const double r = sqrt((k + 0.5) / params->vicinity_samples), turn = 2.39996322972865332 * k;
+      job.disc[light][k][0] = r * cos(turn) + scene->light[light].slope[0] / slope;
+      job.disc[light][k][1] = r * sin(turn) + scene->light[light].slope[1] / slope;
+    }
   }
   return chi_for(exec, (size_t)scene->height, combine_rows, &job);
 }

@@ -57,6 +57,8 @@ typedef struct reference_rays
 {
   int count;
   double step, half_angle;
+  double axis[3]; /* to the light, x right, y up, z to the eye along the line of sight; 0: (0, 0, 1)
+                   */
 } reference_rays;
 
 /* Opaque geometry as the engine sees it: a depth a pixel of the view, blocking light from there

@@ -81,6 +81,17 @@ typedef struct chi_occlusion_params
   double vicinity_bias;     /**< > 0: a neighbour blocks when nearer than the surface less so much,
                                world units, however near (the paper's rule); 0 = against the
                                surface's tangent plane, and up to l_vicinity (default) */
+  /** To the light, the middle of the cone, in view coordinates: x to the right, y up, z to the eye;
+   * any length, finite; all 0 = (0, 0, 1), from the eye's side (default). In perspective it turns
+   * with each pixel's line of sight. More than 60 degrees off the view axis: brought to 60
+   * (chi_occlusion_stats.moved_lights); from straight behind: to 60 above. What of a tilted cone is
+   * more than 85 degrees off the view axis comes in at 85. */
+  double light_direction[3];
+  double second_light_direction[3];   /**< a further soft light, likewise */
+  double second_light_cone_angle_rad; /**< its half angle, 1 ... 85 degrees; 0 = cone_angle_rad */
+  double second_light_share; /**< its part in all light, 0 ... 1; 0 = none (default); with as many
+                                directions again; not with the published rule, which has one light
+                              */
 } chi_occlusion_params;
 
 /** Visibility at chosen points, for tests and for users who measure. */
@@ -142,6 +153,7 @@ typedef struct chi_occlusion_stats
   double seconds_bricks, seconds_classification, seconds_visible_set, seconds_slices, seconds_total;
   double seconds_samples; /**< (t) share of seconds_slices */
   double seconds_light;   /**< (t) share of seconds_slices */
+  int64_t moved_lights;   /**< lights whose direction was too far off the view axis */
 } chi_occlusion_stats;
 
 /** The defaults named above. Infallible. */

@@ -10,7 +10,8 @@
 
 enum
 {
-  CHI_MAX_DIRECTIONS = 64,
+  CHI_MAX_DIRECTIONS = 64, /* of a light */
+  CHI_MAX_ORDINATES = 128, /* of all lights */
   CHI_CELL_WIDTH = 32, /* pixels of the picture: granularity of empty-space tests */
   CHI_CELL_HEIGHT = 8,
   CHI_SEGMENT = 32 /* light buffer pixels: granularity of light skipping; a multiple of all lanes */
@@ -96,6 +97,8 @@ typedef struct chi_light_segment
   const float (*weight)[4]; /* [directions] of the taps at 0, 1, stride, stride + 1 */
   size_t stride;
   int directions;
+  const float* share;    /* [directions] weights in the visibility; NULL: all equal */
+  float factor;          /* of the optical thickness */
   const float* tau;      /* NULL: none */
   const float* length;   /* [directions] path length a unit depth at the segment's first pixel */
   const float* length_x; /* its change a pixel */

@@ -22,13 +22,14 @@ CHI_INLINE void shifted(const float* q, size_t stride, const float w[4], vf out[
  * One slab for all directions: shift the light, attenuate it by half the slab (what the middle of
  * the slab sees), and by the other half. Doc: theory/occlusion.md, Eq. 3.
  */
-CHI_INLINE void light_run(const chi_light_segment* s, const int has_tau, const int has_geometry)
+CHI_INLINE void light_run(
+  const chi_light_segment* s, const int has_tau, const int has_geometry, const int weighted)
 {
   vf sum[PARTS], half_tau[PARTS], geometry[PARTS];
   for (int k = 0; k < PARTS; ++k)
   {
     sum[k] = vf_set(0.0f);
-    half_tau[k] = has_tau ? vf_load(s->tau + k * CHI_LANES) * -0.5f : vf_set(0.0f);
+    half_tau[k] = has_tau ? vf_load(s->tau + k * CHI_LANES) * (-0.5f * s->factor) : vf_set(0.0f);
     geometry[k] = has_geometry ? vf_load(s->geometry + k * CHI_LANES) : vf_set(1.0f);
   }
   const float* source = s->source;
@@ -46,7 +47,7 @@ CHI_INLINE void light_run(const chi_light_segment* s, const int has_tau, const i
         through = vf_exp_neg(half_tau[k] * length);
         light[k] *= through;
       }
-      sum[k] += light[k];
+      sum[k] += weighted ? light[k] * s->share[m] : light[k];
       if (has_tau)
       {
         light[k] *= through;
@@ -58,7 +59,7 @@ CHI_INLINE void light_run(const chi_light_segment* s, const int has_tau, const i
       vf_store(target + k * CHI_LANES, light[k]);
     }
   }
-  const float mean = 1.0f / (float)s->directions;
+  const float mean = weighted ? 1.0f : 1.0f / (float)s->directions;
   for (int k = 0; k < PARTS; ++k)
   {
     vf_store(s->visibility + k * CHI_LANES, sum[k] * mean);
@@ -67,24 +68,32 @@ CHI_INLINE void light_run(const chi_light_segment* s, const int has_tau, const i
 
 static void light(const chi_light_segment* s)
 {
-  if (s->tau)
+  switch ((s->share ? 4 : 0) + (s->tau ? 2 : 0) + (s->geometry ? 1 : 0))
   {
-    if (s->geometry)
-    {
-      light_run(s, 1, 1);
-    }
-    else
-    {
-      light_run(s, 1, 0);
-    }
-  }
-  else if (s->geometry)
-  {
-    light_run(s, 0, 1);
-  }
-  else
-  {
-    light_run(s, 0, 0);
+    case 0:
+      light_run(s, 0, 0, 0);
+      break;
+    case 1:
+      light_run(s, 0, 1, 0);
+      break;
+    case 2:
+      light_run(s, 1, 0, 0);
+      break;
+    case 3:
+      light_run(s, 1, 1, 0);
+      break;
+    case 4:
+      light_run(s, 0, 0, 1);
+      break;
+    case 5:
+      light_run(s, 0, 1, 1);
+      break;
+    case 6:
+      light_run(s, 1, 0, 1);
+      break;
+    default:
+      light_run(s, 1, 1, 1);
+      break;
   }
 }
 
@@ -110,7 +119,8 @@ static void blur(const chi_light_segment* s)
   {
     const int x = k * CHI_LANES;
     const vf length = s->length[0] + (vf_iota() + (float)x) * s->length_x[0];
-    const vf through = s->tau ? vf_exp_neg(vf_load(s->tau + x) * length * -0.5f) : vf_set(1.0f);
+    const vf through =
+      s->tau ? vf_exp_neg(vf_load(s->tau + x) * length * (-0.5f * s->factor)) : vf_set(1.0f);
     const vf seen = sum[k] * mean * through;
     vf_store(s->visibility + x, seen);
     vf_store(
