@@ -30,12 +30,12 @@ typedef struct frame_key
   double index_to_world[16];
   double cone_angle, strength, sample_distance, bias, thickness;
   double geometry_opacity, vicinity_distance, vicinity_bias;
-  double clip_planes[4 * CHI_MAX_CLIP_PLANES];
+  double clip_planes[4 * CHI_MAX_CLIP_PLANES], crop_planes[24];
   const void* depth;
   const void* layers[2];
   uint64_t surface_version, layers_version;
   double lights[8]; /* directions, the second one's cone and share */
-  int64_t integers[15];
+  int64_t integers[16];
 } frame_key;
 
 struct chi_occlusion
@@ -184,6 +184,7 @@ static chi_status check_frame(const chi_occlusion_frame* frame)
     (frame->surface && !frame->surface->depth) || !chi_layers_are_valid(frame->layers) || frame->clip_plane_count > CHI_MAX_CLIP_PLANES ||
     (frame->clip_plane_count &&
       !(frame->clip_planes && all_finite(frame->clip_planes, 4 * (int)frame->clip_plane_count))) ||
+    (frame->crop && !all_finite(frame->crop->planes[0], 24)) ||
     (frame->probes && frame->probes->count &&
       !(frame->probes->position && frame->probes->visibility)))
   {
@@ -248,6 +249,10 @@ static frame_key key_of_frame(const chi_occlusion_frame* frame)
   {
     memcpy(key.clip_planes, frame->clip_planes, 4 * frame->clip_plane_count * sizeof(double));
   }
+  if (frame->crop)
+  {
+    memcpy(key.crop_planes, frame->crop->planes, sizeof key.crop_planes);
+  }
   if (frame->surface)
   {
     key.depth = frame->surface->depth;
@@ -262,7 +267,8 @@ static frame_key key_of_frame(const chi_occlusion_frame* frame)
   const int64_t integers[] = { c->parallel, c->width, c->height, p->method, p->directions,
     p->half_size, p->interactions, p->skip, frame->volume != NULL, frame->surface != NULL,
     frame->volume ? frame->volume->is_cell_data : 0, p->combine, p->vicinity_samples,
-    (int64_t)frame->clip_plane_count, frame->layers ? frame->layers->count : 0 };
+    (int64_t)frame->clip_plane_count, frame->layers ? frame->layers->count : 0,
+    frame->crop ? (int64_t)frame->crop->regions : -1 };
   memcpy(key.integers, integers, sizeof integers);
   return key;
 }

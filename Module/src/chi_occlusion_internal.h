@@ -89,6 +89,8 @@ typedef struct chi_scene
   double box_low[3], box_high[3];      /* of the volume, index units */
   double clip[CHI_MAX_CLIP_PLANES][4]; /* planes in index space, unit normals, kept where >= 0 */
   int clips;
+  double crop[6][4]; /* likewise, of the cropping regions */
+  uint32_t regions;  /* that stay */
   double slope_x, slope_dx, slope_y, slope_dy; /* of the pixel's ray: slope_x + x slope_dx */
   double pixels_x, pixels_y; /* light pixels a unit of slope (perspective) or length (parallel) */
   double start, slice, slab; /* depth of slice 0; world distance between slices, light planes */

@@ -52,7 +52,8 @@ enum
   CELL_EMPTY = 0,
   CELL_OCCUPIED = 1,
   CELL_CROSSES_BOX = 2,
-  CELL_MIXED = 4
+  CELL_MIXED = 4,
+  CELL_CUT = 8 /* regions are cropped */
 };
 
 /* The shift of one slab, for all directions. */

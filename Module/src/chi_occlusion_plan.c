@@ -252,6 +252,11 @@ static void set_sample_frame(march* m)
   f->brick_step_y = (int32_t)b->count[0];
   f->brick_step_z = (int32_t)(b->count[0] * b->count[1]);
   f->slice = (float)m->scene->slice;
+  f->cut.regions = m->scene->regions;
+  for (int k = 0; k < 24; ++k)
+  {
+    f->cut.plane[k / 4][k % 4] = (float)m->scene->crop[k / 4][k % 4];
+  }
 }
 
 static void plan_layout(march* m)

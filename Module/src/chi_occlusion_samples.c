@@ -141,7 +141,8 @@ void chi_march_sample_row(
       const int x1 = end * CHI_CELL_WIDTH < width ? end * CHI_CELL_WIDTH : width;
       row->restart = restart;
       row->bricks = (cells[cx] & CELL_MIXED) != 0;
-      row->enter = cells[cx] & CELL_CROSSES_BOX ? picture(m, ENTER, y) : NULL;
+      row->cut = (cells[cx] & CELL_CUT) != 0;
+      row->enter = cells[cx] & (CELL_CROSSES_BOX | CELL_CUT) ? picture(m, ENTER, y) : NULL;
       row->leave = picture(m, LEAVE, y);
       row->surface = m->frame->surface ? picture(m, SURFACE, y) : NULL;
       row->saturated_too = light;

@@ -33,32 +33,41 @@ static void place_pixels(chi_scene* scene, const chi_camera* camera, const doubl
   scene->pixels_y = 1 / (dy * scene->scale);
 }
 
-/* The frame's clip planes in index space; 0 where one has no direction. */
-static int place_clips(chi_scene* scene, const chi_occlusion_frame* frame)
+/* A plane of world space in index space, of unit normal; 0 where it has no direction. */
+static int place_plane(const double m[16], const double p[4], double q[4])
+{
+  double square = 0;
+  for (int a = 0; a < 4; ++a)
+  {
+    q[a] = p[0] * m[a] + p[1] * m[4 + a] + p[2] * m[8 + a] + (a == 3 ? p[3] : 0);
+    square += a < 3 ? q[a] * q[a] : 0;
+  }
+  const double scale = 1 / sqrt(square);
+  int finite = 1;
+  for (int a = 0; a < 4; ++a)
+  {
+    q[a] *= scale;
+    finite &= isfinite(q[a]) != 0;
+  }
+  return finite;
+}
+
+/* The frame's clip planes and cropping regions; 0 where a plane has no direction. */
+static int place_cuts(chi_scene* scene, const chi_occlusion_frame* frame)
 {
   const double* const m = frame->volume->index_to_world;
+  int valid = 1;
   scene->clips = (int)frame->clip_plane_count;
   for (int k = 0; k < scene->clips; ++k)
   {
-    const double* const p = frame->clip_planes + 4 * k;
-    double* const q = scene->clip[k];
-    double square = 0;
-    for (int a = 0; a < 4; ++a)
-    {
-      q[a] = p[0] * m[a] + p[1] * m[4 + a] + p[2] * m[8 + a] + (a == 3 ? p[3] : 0);
-      square += a < 3 ? q[a] * q[a] : 0;
-    }
-    const double scale = 1 / sqrt(square);
-    for (int a = 0; a < 4; ++a)
-    {
-      q[a] *= scale;
-      if (!isfinite(q[a]))
-      {
-        return 0;
-      }
-    }
+    valid &= place_plane(m, frame->clip_planes + 4 * k, scene->clip[k]);
   }
-  return 1;
+  scene->regions = frame->crop ? frame->crop->regions & CHI_CROP_ALL_REGIONS : CHI_CROP_ALL_REGIONS;
+  for (int k = 0; frame->crop && k < 6; ++k)
+  {
+    valid &= place_plane(m, frame->crop->planes[k], scene->crop[k]);
+  }
+  return valid;
 }
 
 static double clip_value(const double clip[4], const double p[3])
@@ -147,7 +156,7 @@ chi_status chi_scene_build(
       near = depth < near ? depth : near;
       far = depth > far ? depth : far;
     }
-    if (!place_clips(scene, frame))
+    if (!place_cuts(scene, frame))
     {
       return CHI_ERROR_INVALID_ARGUMENT;
     }

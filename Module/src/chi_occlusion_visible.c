@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which cells of the picture meet something, block by block, and until when. */
 
+#include "chi_mask_internal.h"
 #include "chi_occlusion_march.h"
 
 #include <math.h>
@@ -118,9 +119,15 @@ static uint8_t classify_cell(march* m, int64_t block, int cx, int cy)
     }
     inside &= least > 0.01;
   }
+  const chi_cut_share share = chi_crop_share(s, (const double(*)[3])p);
+  if (share == CHI_CUT_ALL)
+  {
+    return CELL_EMPTY;
+  }
   int64_t all;
   const int64_t occupied = chi_classification_count(m->classification, m->bricks, low, high, &all);
-  const uint8_t crosses = inside ? 0 : CELL_CROSSES_BOX;
+  const uint8_t crosses =
+    (uint8_t)((inside ? 0 : CELL_CROSSES_BOX) | (share == CHI_CUT_PART ? CELL_CUT : 0));
   if (m->keep_all)
   {
     return CELL_OCCUPIED | crosses;

@@ -11,6 +11,7 @@
  */
 
 #include "chi_camera.h"
+#include "chi_mask.h"
 #include "chi_surface.h"
 #include "chi_transfer.h"
 #include "chi_volume.h"
@@ -119,6 +120,7 @@ typedef struct chi_occlusion_frame
   const double* clip_planes; /**< [clip_plane_count x 4], not all of a, b, c zero */
   size_t clip_plane_count;   /**< 0 ... CHI_MAX_CLIP_PLANES */
   const chi_layers_view* layers; /**< NULL: no translucent geometry */
+  const chi_crop_view* crop; /**< NULL: no regions are cropped; applies besides the clip planes */
 } chi_occlusion_frame;
 
 /** The last picture, owned by the handle, valid until its next call. Row 0 is the lowest. */

@@ -37,6 +37,13 @@ typedef struct chi_sigma_entry
   float pad;
 } chi_sigma_entry;
 
+/* What is left of the volume, besides box and clip planes. */
+typedef struct chi_cut
+{
+  uint32_t regions;  /* that stay, bit x + 3 y + 9 z; 0x7ffffff: all */
+  float plane[6][4]; /* index space: low x, high x, low y, ... */
+} chi_cut;
+
 /* What all rows of a frame share when they sample. */
 typedef struct chi_sample_frame
 {
@@ -58,6 +65,7 @@ typedef struct chi_sample_frame
   int32_t brick_step_y, brick_step_z;
   float slice;     /* world distance between slices */
   float saturated; /* transmittance below which a ray is done */
+  chi_cut cut;
 } chi_sample_frame;
 
 /* One row of pixels over one segment between two slices. */
@@ -73,6 +81,7 @@ typedef struct chi_sample_row
   int32_t* sum;
   float* rest;
   float* tau;         /* += optical thickness along the view axis, for the light */
+  int cut;            /* non-zero: regions or masks cut something here; enter is set as well */
   const float* enter; /* slice units; NULL: the whole run lies inside the box */
   const float* leave;
   const float* surface;    /* slice units; NULL: no surface in front of the far slice */

@@ -104,12 +104,16 @@ typedef struct sample_piece
 {
   float t[PIECE]; /* table position at the far slice; NaN: no sample */
   int32_t entry[PIECE];
-  float fraction[PIECE]; /* of the segment that lies in the box */
+  int32_t want[PIECE];   /* with cuts: something of the segment is left */
+  float back[PIECE];     /* with cuts: where its last part ends, slices from the far one, <= 0 */
+  float fraction[PIECE]; /* of the segment that lies in the box, less what is cut */
   int32_t entering[PIECE];
   float depth[PIECE]; /* optical thickness along the view axis */
   int32_t color[PIECE];
   float rgb[3][PIECE]; /* `general` runs only: colours that later stages may change */
 } sample_piece;
+
+#include "chi_occlusion_cut.inl"
 
 /* Where the samples lie, which of them anybody needs, and their places in the tables. */
 CHI_INLINE void fetch_piece(chi_sample_row* row, sample_piece* piece, int x_begin, int count,
@@ -129,7 +133,20 @@ CHI_INLINE void fetch_piece(chi_sample_row* row, sample_piece* piece, int x_begi
     {
       p[a] = row->position[a] + xs * row->position_x[a];
     }
-    if (row->enter)
+    if (row->cut)
+    {
+      want = vi_load(piece->want + i);
+      const vf back = vf_load(piece->back + i);
+      for (int a = 0; a < 3; ++a)
+      {
+        p[a] += back * (row->direction[a] + xs * row->direction_x[a]);
+      }
+      /* What was sampled before does not count where the ray comes out of what is cut away. */
+      const vi entering = vi_load(piece->entering + i);
+      vf_store(
+        row->table_position + x, vf_select(entering, nan, vf_load(row->table_position + x)));
+    }
+    else if (row->enter)
     {
       /* The ray meets the box inside this segment: sample where it does, and count only the part.
        */
@@ -186,7 +203,8 @@ CHI_INLINE void fetch_piece(chi_sample_row* row, sample_piece* piece, int x_begi
 }
 
 /* Mean extinction of every segment, and the optical thickness that it adds. */
-CHI_INLINE void classify_piece(chi_sample_row* row, sample_piece* piece, int x_begin, int count)
+CHI_INLINE void classify_piece(
+  chi_sample_row* row, sample_piece* piece, int x_begin, int count, const int nearest)
 {
   const chi_sample_frame* const s = row->frame;
   const vf nan = vf_set(NAN);
@@ -207,7 +225,8 @@ CHI_INLINE void classify_piece(chi_sample_row* row, sample_piece* piece, int x_b
      * changes, the extinction in the middle. */
     const vf t_before = row->restart ? nan : vf_load(row->table_position + x);
     const vi known = (t_before == t_before) & finite;
-    const vf t0 = vf_select(known, t_before, t);
+    /* Samples of nearest interpolation are steps: nothing lies between two labels. */
+    const vf t0 = nearest ? t : vf_select(known, t_before, t);
     const vf change = t - t0;
     const vi steep = ((change > 1.0f) | (change < -1.0f)) & known;
     const vf local = sigma0 + (2.0f * f - change) * half_slope;
@@ -306,8 +325,12 @@ CHI_INLINE void sample_run(chi_sample_row* row, int x_begin, int x_end, const in
   for (int x = x_begin; x < x_end; x += PIECE)
   {
     const int count = x_end - x < PIECE ? x_end - x : PIECE;
+    if (row->cut)
+    {
+      cut_piece(row, &piece, x, count);
+    }
     fetch_piece(row, &piece, x, count, fetch, nearest);
-    classify_piece(row, &piece, x, count);
+    classify_piece(row, &piece, x, count, nearest);
     if (general)
     {
       color_piece(row, &piece, count);

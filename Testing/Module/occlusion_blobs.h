@@ -1,0 +1,152 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#ifndef CHI_OCCLUSION_BLOBS_H
+#define CHI_OCCLUSION_BLOBS_H
+
+/* Soft blobs with geometry in front of and behind them: the scene of the tests of cuts and masks.
+ */
+
+#include <chiaroscuro/chi_occlusion.h>
+
+#include "chi_test.h"
+
+enum
+{
+  N = 40,
+  WIDTH = 72,
+  PIXELS = WIDTH * WIDTH,
+  CUT = 16 /* a voxel to cut at */
+};
+
+typedef struct scene
+{
+  chi_camera camera;
+  chi_volume_view volume;
+  chi_transfer_view transfer;
+  chi_surface_view surface;
+  chi_occlusion_params params;
+  chi_occlusion_frame frame;
+  chi_occlusion* engine;
+  float rgb[6], opacity[2], samples[N * N * N], depth[PIXELS];
+  double planes[4 * CHI_MAX_CLIP_PLANES];
+} scene;
+
+/* Soft blobs, 0 ... 1. */
+static float blobs(size_t i, size_t j, size_t k)
+{
+  return (float)(0.5 + 0.5 * sin(0.45 * (double)i) * cos(0.4 * (double)j) * cos(0.5 * (double)k));
+}
+
+/* The volume's samples from `first` on, one unit apart, centred about depth 100; the eye looks
+ * along -z. */
+__attribute__((unused)) static scene* make_scene(
+  int parallel, const size_t first[3], const size_t count[3])
+{
+  static uint64_t version = 0;
+  scene* const s = calloc(1, sizeof *s);
+  if (!s)
+  {
+    exit(1);
+  }
+  const double half = parallel ? 30 : 0.3;
+  s->camera = (chi_camera){ .struct_size = sizeof s->camera,
+    .world_to_eye = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 },
+    .window = { -half, half, -half, half },
+    .parallel = parallel,
+    .width = WIDTH,
+    .height = WIDTH,
+    .near_depth = 1 };
+  for (size_t k = 0; k < count[2]; ++k)
+  {
+    for (size_t j = 0; j < count[1]; ++j)
+    {
+      for (size_t i = 0; i < count[0]; ++i)
+      {
+        s->samples[i + count[0] * (j + count[1] * k)] =
+          blobs(i + first[0], j + first[1], k + first[2]);
+      }
+    }
+  }
+  s->volume = (chi_volume_view){ .struct_size = sizeof s->volume,
+    .scalars = s->samples,
+    .type = CHI_F32,
+    .stride = sizeof(float),
+    .dimensions = { count[0], count[1], count[2] },
+    .index_to_world = { 1, 0, 0, (double)first[0] - 0.5 * (N - 1), 0, 1, 0,
+      (double)first[1] - 0.5 * (N - 1), 0, 0, 1, (double)first[2] - 0.5 * (N - 1) - 100, 0, 0, 0,
+      1 },
+    .interpolation = CHI_LINEAR,
+    .version = ++version };
+  const float rgb[6] = { 0.2f, 0.4f, 0.9f, 1, 0.8f, 0.3f };
+  memcpy(s->rgb, rgb, sizeof rgb);
+  s->opacity[1] = 0.3f;
+  s->transfer = (chi_transfer_view){ .struct_size = sizeof s->transfer,
+    .rgb = s->rgb,
+    .opacity = s->opacity,
+    .count = 2,
+    .range = { 0.4, 1 },
+    .unit_distance = 1,
+    .version = 1 };
+  for (int i = 0; i < PIXELS; ++i)
+  {
+    s->depth[i] = i % WIDTH < 20 ? 95 : 130;
+  }
+  s->surface = (chi_surface_view){ sizeof s->surface, s->depth, 1 };
+  chi_occlusion_default_params(&s->params);
+  s->params.sample_distance = 1;
+  s->params.bias = 1.5;
+  s->frame = (chi_occlusion_frame){ .struct_size = sizeof s->frame,
+    .camera = &s->camera,
+    .volume = &s->volume,
+    .transfer = &s->transfer,
+    .surface = &s->surface,
+    .params = &s->params,
+    .clip_planes = s->planes };
+  CHECK(chi_occlusion_create(NULL, &s->engine) == CHI_OK);
+  return s;
+}
+
+__attribute__((unused)) static scene* make_whole(int parallel)
+{
+  static const size_t first[3] = { 0, 0, 0 }, count[3] = { N, N, N };
+  return make_scene(parallel, first, count);
+}
+
+static void free_scene(scene* s)
+{
+  chi_occlusion_destroy(NULL, s->engine);
+  free(s);
+}
+
+__attribute__((unused)) static void add_plane(scene* s, double a, double b, double c, double d)
+{
+  const double plane[4] = { a, b, c, d };
+  memcpy(s->planes + 4 * s->frame.clip_plane_count++, plane, sizeof plane);
+}
+
+static chi_occlusion_image render(scene* s)
+{
+  chi_occlusion_image image;
+  CHECK(chi_occlusion_render(NULL, s->engine, &s->frame) == CHI_OK);
+  chi_occlusion_get_image(s->engine, &image);
+  CHECK(image.rgba && image.visibility);
+  return image;
+}
+
+/* Largest difference of two pictures, colours and surface visibilities. */
+__attribute__((unused)) static double difference(
+  const chi_occlusion_image* a, const chi_occlusion_image* b)
+{
+  double worst = 0;
+  for (int i = 0; i < 4 * PIXELS; ++i)
+  {
+    worst = fmax(worst, fabs((double)a->rgba[i] - (double)b->rgba[i]));
+  }
+  for (int i = 0; i < PIXELS; ++i)
+  {
+    worst = fmax(worst, fabs((double)a->visibility[i] - (double)b->visibility[i]));
+  }
+  return worst;
+}
+
+#endif
