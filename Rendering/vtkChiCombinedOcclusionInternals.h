@@ -6,6 +6,7 @@
 #include "vtkChiCameraView.h"
 #include "vtkChiCombinedOcclusionVolumeMapper.h"
 #include "vtkChiCompositor.h"
+#include "vtkChiMaskInput.h"
 #include "vtkChiOcclusionFrame.h"
 #include "vtkChiVolumeInput.h"
 
@@ -24,6 +25,7 @@ struct vtkChiCombinedOcclusionVolumeMapper::Internals
 {
   // collected
   vtkChiVolumeInput Input;
+  vtkChiMaskInput Masks;
   vtkChiCameraView Camera;
   chi_occlusion_params Params = {};
   int Viewport[4] = { 0, 0, 0, 0 };

@@ -225,6 +225,11 @@ bool vtkChiCombinedOcclusionVolumeMapper::Collect(vtkRenderer* renderer, vtkVolu
   {
     this->SayOnce(limit.c_str());
   }
+  if (in.HasVolume && !in.Masks.Collect(this, volume, in.Camera.GetWorld()))
+  {
+    this->SayOnce(in.Masks.GetProblem().c_str(), true);
+    in.HasVolume = false;
+  }
   in.Diagonal = in.HasVolume ? diagonalOf(*in.Input.GetVolume()) : 0.0;
   if (in.HasVolume)
   {
@@ -342,6 +347,7 @@ bool vtkChiCombinedOcclusionVolumeMapper::RenderEngine()
   frame.params = &in.Params;
   frame.clip_planes = in.Input.GetClipPlanes().data();
   frame.clip_plane_count = in.HasVolume ? in.Input.GetClipPlanes().size() / 4 : 0;
+  frame.crop = in.HasVolume ? in.Masks.GetCrop() : nullptr;
   const chi_status status = chi_occlusion_render(exec.Get(), in.Renderer, &frame);
   in.Stats.struct_size = sizeof(in.Stats);
   chi_occlusion_get_stats(in.Renderer, &in.Stats);

@@ -20,13 +20,11 @@
  * the volume's full matrix (user matrix, non-uniform scale, mirror), spacing of any sign, direction
  * matrix, extent; of the vtkVolumeProperty the colour function (RGB or gray), the scalar opacity,
  * its unit distance, nearest or linear interpolation; of the mapper up to 32 clipping planes and
- * the cropping box (VTK_CROP_SUBVOLUME): what they cut away neither draws nor darkens. Blending is
- * composite.
+ * all cropping regions: what they cut away neither draws nor darkens. Blending is composite.
  *
  * <b>What is not supported yet</b> is named in a warning, once for each cause, and the picture is
  * drawn without it: shading by gradients, gradient opacity, two-dimensional transfer functions,
- * several components (the first one is drawn), other blend modes, other cropping regions, label
- * maps, blanking, cubic interpolation, depth peeling for volumes (the volume is then drawn below
+ * several components (the first one is drawn), other blend modes, label maps, blanking, cubic interpolation, depth peeling for volumes (the volume is then drawn below
  * all translucent geometry), sheared projections.
  *
  * <b>Opaque geometry.</b> The pixels of opaque geometry are rewritten once a frame, by the first of

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkChiVolumeInput.h"
+#include "vtkChiMaskInput.h"
 #include "vtkChiViews.h"
 
 #include <chiaroscuro/chi_occlusion.h>
@@ -250,27 +251,11 @@ bool vtkChiVolumeInput::CollectMatrix(vtkImageData* image, vtkVolume* volume, co
 }
 
 //------------------------------------------------------------------------------
-// A plane a x + b y + c z + d >= 0 of the space that `toWorld` carries to world space (null: world
-// space itself), for the core. Planes go with the inverse: plane . M^-1 . (M x) = plane . x.
 void vtkChiVolumeInput::AddClip(const double plane[4], const double* toWorld, const double* world)
 {
-  double matrix[16];
-  std::copy(world, world + 16, matrix);
-  if (toWorld)
-  {
-    multiply(world, toWorld, matrix);
-  }
-  double inverse[16];
-  vtkMatrix4x4::Invert(matrix, inverse);
-  for (int column = 0; column < 4; ++column)
-  {
-    double sum = 0.0;
-    for (int row = 0; row < 4; ++row)
-    {
-      sum += plane[row] * inverse[4 * row + column];
-    }
-    this->ClipPlanes.push_back(sum);
-  }
+  double placed[4];
+  vtkChiMaskInput::PlacePlane(plane, toWorld, world, placed);
+  this->ClipPlanes.insert(this->ClipPlanes.end(), placed, placed + 4);
 }
 
 //------------------------------------------------------------------------------
@@ -297,23 +282,15 @@ bool vtkChiVolumeInput::CollectClips(
     }
   }
   vtkVolumeMapper* cropped = vtkVolumeMapper::SafeDownCast(mapper);
-  if (cropped && cropped->GetCropping())
+  // other regions than the inner box are not convex: vtkChiMaskInput has them
+  if (cropped && cropped->GetCropping() && cropped->GetCroppingRegionFlags() == VTK_CROP_SUBVOLUME)
   {
-    if (cropped->GetCroppingRegionFlags() != VTK_CROP_SUBVOLUME)
+    for (int k = 0; k < 6; ++k)
     {
-      this->Limits.emplace_back(
-        "cropping regions other than the inner box (VTK_CROP_SUBVOLUME) are "
-        "not supported yet: the whole volume is drawn");
-    }
-    else
-    {
-      for (int k = 0; k < 6; ++k)
-      {
-        const double sign = k & 1 ? -1.0 : 1.0;
-        double equation[4] = { 0.0, 0.0, 0.0, -sign * cropped->GetCroppingRegionPlanes()[k] };
-        equation[k / 2] = sign;
-        this->AddClip(equation, volume->GetMatrix()->GetData(), world);
-      }
+      const double sign = k & 1 ? -1.0 : 1.0;
+      double equation[4] = { 0.0, 0.0, 0.0, -sign * cropped->GetCroppingRegionPlanes()[k] };
+      equation[k / 2] = sign;
+      this->AddClip(equation, volume->GetMatrix()->GetData(), world);
     }
   }
   if (this->ClipPlanes.size() > 4 * CHI_MAX_CLIP_PLANES)

@@ -279,8 +279,6 @@ class Input(unittest.TestCase):
             "two-dimensional transfer functions": lambda volume, *_: volume.GetProperty().SetTransferFunctionModeTo2D(),
             "unit distance": lambda volume, *_: volume.GetProperty().SetScalarOpacityUnitDistance(-1.0),
             "blend mode": lambda _volume, mapper, _scene: mapper.SetBlendModeToMaximumIntensity(),
-            "cropping regions": lambda _volume, mapper, _scene: (
-                mapper.CroppingOn(), mapper.SetCroppingRegionFlagsToFence()),
             "clipping planes": lambda _volume, mapper, _scene: [
                 mapper.AddClippingPlane(vtkPlane()) for _ in range(33)],
             "blanking": lambda _volume, mapper, _scene: mapper.SetInputDataObject(blank(data)),
