@@ -1,6 +1,6 @@
 /* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "chi_occlusion_internal.h"
+#include "chi_occlusion_describe.h"
 
 #include <math.h>
 #include <string.h>
@@ -50,6 +50,11 @@ struct chi_occlusion
   int has_bricks, has_classification, has_frame;
   int32_t width, height;
   chi_occlusion_stats stats;
+  /* of chi_occlusion_describe */
+  chi_plan_keep plan;
+  frame_key planned;
+  int has_plan;
+  uint64_t versions[3]; /* of the frame, the samples, the tables */
 };
 
 void chi_occlusion_default_params(chi_occlusion_params* params)
@@ -97,6 +102,7 @@ void chi_occlusion_destroy(const chi_exec* exec, chi_occlusion* occlusion)
   chi_march_free(exec, &occlusion->march);
   chi_buffer_free(exec, &occlusion->rgba);
   chi_buffer_free(exec, &occlusion->visibility);
+  chi_plan_free(exec, &occlusion->plan);
   chi_free(exec, occlusion, 1, sizeof *occlusion);
 }
 
@@ -317,7 +323,8 @@ static chi_status prepare_volume(
   o->stats.reused_bricks = o->has_bricks && memcmp(&volume, &o->volume, sizeof volume) == 0;
   if (!o->stats.reused_bricks)
   {
-    o->has_bricks = o->has_classification = o->has_frame = 0;
+    o->has_bricks = o->has_classification = o->has_frame = o->has_plan = 0;
+    ++o->versions[1];
     status = chi_bricks_build(exec, &o->bricks, frame->volume);
     o->volume = volume;
     o->has_bricks = status == CHI_OK;
@@ -329,7 +336,8 @@ static chi_status prepare_volume(
     memcmp(&transfer, &o->transfer, sizeof transfer) == 0;
   if (status == CHI_OK && !o->stats.reused_classification)
   {
-    o->has_classification = o->has_frame = 0;
+    o->has_classification = o->has_frame = o->has_plan = 0;
+    ++o->versions[2];
     status =
       chi_classify(exec, &o->classification, &o->bricks, frame->transfer, (int)transfer.dilate);
     o->transfer = transfer;
@@ -408,6 +416,54 @@ chi_status chi_occlusion_render(
   o->stats.seconds_slices = result.seconds_slices;
   o->stats.seconds_samples = result.seconds_samples;
   o->stats.seconds_light = result.seconds_light;
+  o->stats.seconds_total = chi_seconds() - t0;
+  return status;
+}
+
+chi_status chi_occlusion_describe(const chi_exec* exec, chi_occlusion* o,
+  const chi_occlusion_frame* frame, chi_occlusion_plan* plan)
+{
+  chi_status status = o && plan ? check_frame(frame) : CHI_ERROR_INVALID_ARGUMENT;
+  if (status != CHI_OK)
+  {
+    return status;
+  }
+  const double t0 = chi_seconds();
+  double extent[2];
+  surface_extent(frame, extent);
+  chi_scene scene;
+  memset(&scene, 0, sizeof scene);
+  status = chi_scene_build(&scene, frame, extent[0], extent[1]);
+  if (status != CHI_OK)
+  {
+    return status;
+  }
+  o->stats = (chi_occlusion_stats){ .struct_size = sizeof o->stats };
+  if (frame->volume)
+  {
+    status = prepare_volume(exec, o, frame, &scene);
+  }
+  const frame_key key = key_of_frame(frame);
+  o->stats.reused = status == CHI_OK && o->has_plan && memcmp(&key, &o->planned, sizeof key) == 0;
+  if (status == CHI_OK && !o->stats.reused)
+  {
+    const double t1 = chi_seconds();
+    o->has_plan = 0;
+    ++o->versions[0];
+    status = chi_plan_fill(exec, &o->plan, &scene, &o->bricks, &o->classification, frame);
+    o->planned = key;
+    o->has_plan = status == CHI_OK;
+    o->stats.seconds_visible_set = chi_seconds() - t1;
+  }
+  if (status == CHI_OK)
+  {
+    *plan = o->plan.plan;
+    plan->frame_version = o->versions[0];
+    plan->volume_version = o->versions[1];
+    plan->table_version = o->versions[2];
+  }
+  o->stats.slices = (scene.volume_end - scene.volume_begin) * scene.group;
+  o->stats.light_slices = scene.slabs;
   o->stats.seconds_total = chi_seconds() - t0;
   return status;
 }

@@ -116,6 +116,24 @@ void chi_scene_place_lights(chi_scene* scene, const chi_occlusion_params* params
 chi_status chi_scene_build(
   chi_scene* scene, const chi_occlusion_frame* frame, double surface_near, double surface_far);
 
+/* One direction's shift into a slab: whole light pixels, and the weights of the taps at (0, 0), (1,
+ * 0), (0, 1), (1, 1) from there. */
+void chi_scene_step(
+  const chi_scene* scene, int64_t slab, int direction, int32_t offset[2], float weight[4]);
+
+/* Planes of visibility that are still read: as far back as the bias. */
+int64_t chi_scene_ring(const chi_scene* scene);
+
+/* Which light travels, and what blocks it: field 0 for the volume, field surface_field for
+ * surfaces. */
+typedef struct chi_frame_light
+{
+  int volume[2], geometry[2];
+  int fields, surface_field;
+} chi_frame_light;
+
+void chi_frame_fields(const chi_occlusion_frame* frame, chi_frame_light* light);
+
 /* Light pixels by which a unit slope shifts between the depths from < to. */
 double chi_scene_shift(const chi_scene* scene, double from, double to);
 
@@ -136,6 +154,28 @@ enum
 {
   CHI_MAX_VICINITY_SAMPLES = 118 /* Schott et al. 2013, section 3.2.5 */
 };
+
+/* Share of the light that one slab of a surface's interval blocks. */
+float chi_geometry_opacity(const chi_occlusion_params* params, float begin, float end);
+
+/* Radius of a light's vicinity in world units, and the neighbours that are looked at, in radii;
+ * returns their number, 0 where the frame has no vicinity occlusion. */
+double chi_vicinity_radius(const chi_scene* scene, const chi_occlusion_params* params, int light);
+int chi_vicinity_disc(const chi_scene* scene, const chi_occlusion_params* params, int light,
+  double disc[CHI_MAX_VICINITY_SAMPLES][2]);
+
+/*
+ * The automatic rule: a twentieth of the radius covers what curvature and steps of depth leave of a
+ * smooth surface, a fifth of the rise what is wrong with the plane of a curved surface's steep rim.
+ * Blockers farther off than the virtual slice are the light planes' part; between one and two
+ * slices one hands over to the other.
+ */
+#define CHI_VICINITY_CURVATURE 0.05
+#define CHI_VICINITY_RISE 0.2
+#define CHI_VICINITY_FADE 2.0
+
+/* Rays end at alpha 0.998: what is left is half a step of 255. */
+#define CHI_SATURATED 0.002f
 
 /* Combine the visibilities of surfaces, before strength, with what their vicinity leaves. */
 chi_status chi_vicinity(const chi_exec* exec, const chi_scene* scene,

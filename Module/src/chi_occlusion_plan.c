@@ -12,34 +12,55 @@ static size_t round_up(size_t x, size_t to)
   return (x + to - 1) / to * to;
 }
 
+/* The shift of one direction from the light plane before this one: whole light pixels, and the
+ * weights of the four taps there. */
+void chi_scene_step(
+  const chi_scene* s, int64_t slab, int direction, int32_t offset[2], float weight[4])
+{
+  const double shift = slab == 0 ? 0
+                                 : chi_scene_shift(s, chi_scene_depth(s, (double)slab - 0.5),
+                                     chi_scene_depth(s, (double)slab + 0.5));
+  /* Farther than the picture is wide, light comes from outside: the padding is that wide. */
+  const double wide = s->light_width + 1, high = s->light_height + 1;
+  const double dx = fmin(fmax((double)s->tangent[0][direction] * s->pixels_x * shift, -wide), wide);
+  const double dy = fmin(fmax((double)s->tangent[1][direction] * s->pixels_y * shift, -high), high);
+  const double i = floor(dx), j = floor(dy), u = dx - i, v = dy - j;
+  offset[0] = (int32_t)i;
+  offset[1] = (int32_t)j;
+  weight[0] = (float)((1 - u) * (1 - v));
+  weight[1] = (float)(u * (1 - v));
+  weight[2] = (float)((1 - u) * v);
+  weight[3] = (float)(u * v);
+}
+
 static void plan_steps(march* m)
 {
   const chi_scene* const s = m->scene;
   m->reach[0] = 0;
   for (int64_t g = 0; g < s->slabs; ++g)
   {
-    const double shift = g == 0 ? 0
-                                : chi_scene_shift(s, chi_scene_depth(s, (double)g - 0.5),
-                                    chi_scene_depth(s, (double)g + 0.5));
     double reach = 0;
     for (int k = 0; k < s->directions; ++k)
     {
-      /* Farther than the picture is wide, light comes from outside: the padding is that wide. */
-      const double wide = s->light_width + 1, high = s->light_height + 1;
-      const double dx = fmin(fmax((double)s->tangent[0][k] * s->pixels_x * shift, -wide), wide);
-      const double dy = fmin(fmax((double)s->tangent[1][k] * s->pixels_y * shift, -high), high);
-      const double i = floor(dx), j = floor(dy), u = dx - i, v = dy - j;
-      float* const w = m->steps[g].weight[k];
-      m->steps[g].offset[k] = (ptrdiff_t)j * (ptrdiff_t)m->light_row + (ptrdiff_t)i;
-      w[0] = (float)((1 - u) * (1 - v));
-      w[1] = (float)(u * (1 - v));
-      w[2] = (float)((1 - u) * v);
-      w[3] = (float)(u * v);
-      reach = fmax(reach, fmax(ceil(fabs(dx)), ceil(fabs(dy))));
+      int32_t at[2];
+      chi_scene_step(s, g, k, at, m->steps[g].weight[k]);
+      m->steps[g].offset[k] = (ptrdiff_t)at[1] * (ptrdiff_t)m->light_row + (ptrdiff_t)at[0];
+      /* a shift of a whole number of pixels reaches no farther than that number */
+      const int32_t x =
+        at[0] < 0 ? -at[0] : at[0] + (m->steps[g].weight[k][1] > 0 || m->steps[g].weight[k][3] > 0);
+      const int32_t y =
+        at[1] < 0 ? -at[1] : at[1] + (m->steps[g].weight[k][2] > 0 || m->steps[g].weight[k][3] > 0);
+      reach = fmax(reach, x > y ? x : y);
     }
     m->reach[g] = (g ? m->reach[g - 1] : 0) + reach;
   }
   m->reach[s->slabs] = INFINITY; /* receivers behind the last plane look anywhere */
+}
+
+int64_t chi_scene_ring(const chi_scene* s)
+{
+  const int64_t planes = (int64_t)ceil(s->bias) + 4;
+  return planes < s->slabs + 2 ? planes : s->slabs + 2;
 }
 
 /* Rows and columns that light crosses in the widest step. */
@@ -118,33 +139,44 @@ static chi_status clear_field(march* m, chi_light_field* f, size_t light_floats)
   return CHI_OK;
 }
 
-static void plan_fields(march* m)
+/* Which light travels: for the volume, and, where others block it, for surfaces. */
+void chi_frame_fields(const chi_occlusion_frame* frame, chi_frame_light* light)
 {
-  const int bits = m->frame->params->interactions;
-  chi_light_field* const f = m->keep->field;
-  const int has_volume = m->frame->volume != NULL, has_surface = m->frame->surface != NULL;
+  const int bits = frame->params->interactions;
+  const int has_volume = frame->volume != NULL, has_surface = frame->surface != NULL;
   const int to_volume[2] = { (bits & CHI_VOLUME_TO_VOLUME) && has_volume,
     (bits & CHI_GEOMETRY_TO_VOLUME) && has_surface };
   const int to_surface[2] = { (bits & CHI_VOLUME_TO_GEOMETRY) && has_volume,
     (bits & CHI_GEOMETRY_TO_GEOMETRY) && has_surface };
-  m->fields = 0;
-  m->surface_field = 0;
-  f[0].volume = to_volume[0];
-  f[0].geometry = to_volume[1];
-  f[1].volume = f[1].geometry = 0;
-  if (!(m->strength > 0) && !m->frame->probes)
+  memset(light, 0, sizeof *light);
+  if (!(frame->params->strength > 0) && !frame->probes)
   {
-    f[0].volume = f[0].geometry = 0;
     return;
   }
-  m->fields = f[0].volume || f[0].geometry;
-  if ((has_surface || m->layers) && (to_surface[0] != to_volume[0] || to_surface[1] != to_volume[1]))
+  light->volume[0] = to_volume[0];
+  light->geometry[0] = to_volume[1];
+  light->fields = to_volume[0] || to_volume[1];
+  const int receives = has_surface || (frame->layers && frame->layers->count > 0);
+  if (receives && (to_surface[0] != to_volume[0] || to_surface[1] != to_volume[1]))
   {
-    f[1].volume = to_surface[0];
-    f[1].geometry = to_surface[1];
-    m->surface_field = 1;
-    m->fields = f[1].volume || f[1].geometry ? 2 : m->fields;
+    light->volume[1] = to_surface[0];
+    light->geometry[1] = to_surface[1];
+    light->surface_field = 1;
+    light->fields = to_surface[0] || to_surface[1] ? 2 : light->fields;
   }
+}
+
+static void plan_fields(march* m)
+{
+  chi_frame_light light;
+  chi_frame_fields(m->frame, &light);
+  for (int f = 0; f < 2; ++f)
+  {
+    m->keep->field[f].volume = light.volume[f];
+    m->keep->field[f].geometry = light.geometry[f];
+  }
+  m->fields = light.fields;
+  m->surface_field = light.surface_field;
 }
 
 static chi_status reserve(march* m)
@@ -217,8 +249,7 @@ static void clear_rows(void* data, size_t begin, size_t end)
 static void set_sample_frame(march* m)
 {
   chi_sample_frame* const f = &m->sample;
-  /* Rays end at alpha 0.998 (issue's figure: what is left is half a step of 255). */
-  f->saturated = m->keep_all ? 0 : 0.002f;
+  f->saturated = m->keep_all ? 0 : CHI_SATURATED;
   if (!m->frame->volume)
   {
     return;
@@ -282,8 +313,7 @@ static void plan_layout(march* m)
   m->visibility_origin = pad_y * m->light_stride + pad_x;
   m->light_row = m->light_stride * (s->published ? 1 : (size_t)s->directions);
   m->light_origin = pad_y * m->light_row + pad_x;
-  m->ring = (int64_t)ceil(s->bias) + 4;
-  m->ring = m->ring < s->slabs + 2 ? m->ring : s->slabs + 2;
+  m->ring = chi_scene_ring(s);
 }
 
 /* Everything that a frame needs before its first task. */

@@ -47,9 +47,9 @@ void chi_march_gather_ranges(void* data, size_t begin, size_t end)
 
 /* Share of the light that one slab of a surface's interval blocks, so that all of them block the
  * geometry's opacity; the one of every slab where they never end (Algorithm 3). */
-static float opacity_of(const march* m, float begin, float end)
+float chi_geometry_opacity(const chi_occlusion_params* params, float begin, float end)
 {
-  const float opacity = (float)m->frame->params->geometry_opacity;
+  const float opacity = (float)params->geometry_opacity;
   const float slabs = floorf(end) - floorf(begin) + 1;
   return opacity == 1 || opacity == 0 || !(end < INFINITY) ? opacity
                                                            : 1 - powf(1 - opacity, 1 / slabs);
@@ -77,7 +77,8 @@ int chi_march_block_light(const march* m, int64_t slab, int64_t by, int segment,
     for (int64_t i = 0; i < CHI_SEGMENT * s->scale && x0 + i < s->width; ++i)
     {
       const int blocked = begin[x0 + i] < (float)(slab + 1) && end[x0 + i] >= (float)slab;
-      const float opacity = blocked ? share * opacity_of(m, begin[x0 + i], end[x0 + i]) : 0;
+      const float opacity =
+        blocked ? share * chi_geometry_opacity(m->frame->params, begin[x0 + i], end[x0 + i]) : 0;
       out[i / s->scale] -= opacity;
     }
   }

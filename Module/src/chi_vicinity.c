@@ -55,12 +55,9 @@ static double blocks(const vicinity_job* it, double radius, double lead, double 
   {
     return lead > p->vicinity_bias ? 1 : 0;
   }
-  /* A twentieth of the radius covers what curvature and steps of depth leave of a smooth surface, a
-   * fifth of the rise what is wrong with the plane of a curved surface's steep rim. Blockers
-   * farther off than the virtual slice are the light planes' part; between one and two slices one
-   * hands over to the other. */
-  const double far = 2 - lead / p->vicinity_distance;
-  return lead > 0.05 * radius + 0.2 * rise ? (far < 0 ? 0 : far < 1 ? far : 1) : 0;
+  const double far = CHI_VICINITY_FADE - lead / p->vicinity_distance;
+  const double share = far < 0 ? 0 : far < 1 ? far : 1;
+  return lead > CHI_VICINITY_CURVATURE * radius + CHI_VICINITY_RISE * rise ? share : 0;
 }
 
 static double vicinity(const vicinity_job* it, int64_t x, int64_t y, double z)
@@ -111,32 +108,44 @@ static void combine_rows(void* data, size_t begin, size_t end)
   }
 }
 
+double chi_vicinity_radius(const chi_scene* scene, const chi_occlusion_params* params, int light)
+{
+  return params->vicinity_distance * tan(scene->light[light].cone);
+}
+
+int chi_vicinity_disc(const chi_scene* scene, const chi_occlusion_params* params, int light,
+  double disc[CHI_MAX_VICINITY_SAMPLES][2])
+{
+  if (!(params->vicinity_distance > 0) || !(params->interactions & CHI_GEOMETRY_TO_GEOMETRY))
+  {
+    return 0;
+  }
+  /* The base of the cone in the virtual slice; that of a tilted light lies aside. */
+  const double slope = tan(scene->light[light].cone);
+  for (int k = 0; k < params->vicinity_samples; ++k)
+  {
+    /* Equal areas along the golden spiral (Vogel 1979) in place of a table of Poisson's */
+    const double r = sqrt((k + 0.5) / params->vicinity_samples), turn = 2.39996322972865332 * k;
+    disc[k][0] = r * cos(turn) + scene->light[light].slope[0] / slope;
+    disc[k][1] = r * sin(turn) + scene->light[light].slope[1] / slope;
+  }
+  return params->vicinity_samples;
+}
+
 chi_status chi_vicinity(const chi_exec* exec, const chi_scene* scene,
   const chi_surface_view* surface, const chi_occlusion_params* params, float* visibility)
 {
-  if (params->vicinity_samples == 0 || !(params->vicinity_distance > 0) ||
-    !(params->interactions & CHI_GEOMETRY_TO_GEOMETRY))
-  {
-    return CHI_OK;
-  }
   vicinity_job job = { .exec = exec,
     .scene = scene,
     .depth = surface->depth,
     .params = params,
     .pixels = { scene->pixels_x * scene->scale, scene->pixels_y * scene->scale },
     .visibility = visibility };
+  int count = 0;
   for (int light = 0; light < scene->lights; ++light)
   {
-    /* The base of the cone in the virtual slice; that of a tilted light lies aside. */
-    const double slope = tan(scene->light[light].cone);
-    job.radius[light] = params->vicinity_distance * slope;
-    for (int k = 0; k < params->vicinity_samples; ++k)
-    {
-      /* Equal areas along the golden spiral (Vogel 1979) in place of a table of Poisson's */
-      const double r = sqrt((k + 0.5) / params->vicinity_samples), turn = 2.39996322972865332 * k;
-      job.disc[light][k][0] = r * cos(turn) + scene->light[light].slope[0] / slope;
-      job.disc[light][k][1] = r * sin(turn) + scene->light[light].slope[1] / slope;
-    }
+    job.radius[light] = chi_vicinity_radius(scene, params, light);
+    count = chi_vicinity_disc(scene, params, light, job.disc[light]);
   }
-  return chi_for(exec, (size_t)scene->height, combine_rows, &job);
+  return count == 0 ? CHI_OK : chi_for(exec, (size_t)scene->height, combine_rows, &job);
 }

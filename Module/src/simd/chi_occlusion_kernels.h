@@ -17,6 +17,10 @@ enum
   CHI_SEGMENT = 32 /* light buffer pixels: granularity of light skipping; a multiple of all lanes */
 };
 
+/* Optical thickness below which a light pixel takes the plain mean of its four: the mean differs by
+ * < 0.02^2 / 8 = 5e-5. */
+#define CHI_THIN 0.02f
+
 /* How samples lie in memory, for the kernels. */
 enum
 {

@@ -147,7 +147,7 @@ CHI_INLINE vf mean_of_four(vf a0, vf a1, vf b0, vf b1)
 static void halve(
   const float* const tau[2], const float* const before[2], float length, float* out, int count)
 {
-  const vf thin = vf_set(0.02f / length); /* below, the mean differs by < 0.02^2 / 8 = 5e-5 */
+  const vf thin = vf_set(CHI_THIN / length);
   for (int x = 0; x < count; x += CHI_LANES)
   {
     const vf a0 = vf_load(tau[0] + 2 * x), a1 = vf_load(tau[0] + 2 * x + CHI_LANES);

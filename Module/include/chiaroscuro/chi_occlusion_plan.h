@@ -1,0 +1,167 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#ifndef CHI_OCCLUSION_PLAN_H
+#define CHI_OCCLUSION_PLAN_H
+
+/*
+ * A frame as the core's own engine carries it out, for engines on other devices: where slices and
+ * slabs lie, how light moves from one to the next, what samples become in the tables, what surfaces
+ * block, and which parts of the picture anything happens in. Whoever executes it slab by slab, as
+ * theory/occlusion.md says, makes the picture of chi_occlusion_render but for rounding.
+ */
+
+#include "chi_occlusion.h"
+
+#ifdef __cplusplus
+extern "C"
+{
+#endif
+
+/** Bits of chi_occlusion_plan.features: what the frame asks for beyond what the plan describes. */
+enum
+{
+  CHI_FEATURE_PUBLISHED = 1, /**< the published blur, one buffer for all directions */
+  CHI_FEATURE_OTHER = 2,     /**< a parameter that the plan has no member for */
+  CHI_FEATURE_LAYERS = 4     /**< translucent geometry between the slices */
+};
+
+enum
+{
+  CHI_PLAN_DIRECTIONS = 128,
+  CHI_PLAN_VICINITY = 118
+};
+
+/** Half-open; empty where x0 >= x1 or y0 >= y1. */
+typedef struct chi_rect
+{
+  int32_t x0, y0, x1, y1;
+} chi_rect;
+
+/** How one direction's light moves into a slab: light (q) = sum of weight[k] times light (q + x +
+ * (k & 1), q + y + (k >> 1)) of the slab before; 1 from outside the light buffer. */
+typedef struct chi_plan_shift
+{
+  int32_t x, y;
+  float weight[4];
+} chi_plan_shift;
+
+/** Table of extinction: at entry i + f it is sigma + 2 f half_slope, its integral from 0 is quantum
+ * sum + f (sigma + f half_slope). */
+typedef struct chi_plan_entry
+{
+  int32_t sum;
+  float sigma, half_slope, reserved;
+} chi_plan_entry;
+
+/** What light travels, and what blocks it. Field 0 reaches samples of the volume, surface_field
+ * surfaces. */
+typedef struct chi_plan_field
+{
+  int32_t volume, geometry;
+} chi_plan_field;
+
+typedef struct chi_occlusion_plan
+{
+  size_t struct_size;
+  uint64_t features; /**< CHI_FEATURE_...; an engine that lacks one of them must not draw */
+  uint64_t frame_version, volume_version,
+    table_version; /**< differ from those of this handle's last plan where anything, the samples,
+                      the tables have changed */
+
+  /* Picture and light buffers, pixels. */
+  int32_t width, height, light_scale, light_width, light_height;
+  int32_t parallel;
+  /** Index position of (pixel x, pixel y, depth z): origin + z axis + (parallel ? 1 : z) (x along_x
+   * + y along_y) */
+  double origin[3], axis[3], along_x[3], along_y[3];
+  double box_low[3], box_high[3];      /**< of the volume, index units */
+  double clip[CHI_MAX_CLIP_PLANES][4]; /**< index units, kept where a x + b y + c z + d >= 0 */
+  int32_t clip_count;
+  int32_t directions;
+  double slope_x, slope_dx, slope_y, slope_dy; /**< of the pixel's ray: slope_x + x slope_dx */
+
+  double start, slice, slab; /**< depth of slice 0; world distance of slices and of light planes */
+  int64_t group, slabs;      /**< segments a slab; slabs */
+  int64_t volume_begin, volume_end; /**< slabs with samples */
+  double bias;                      /**< slabs */
+  int64_t ring;                     /**< planes of visibility that are still read */
+  double saturated; /**< transmittance below which a ray is done; 0 where nothing is skipped */
+  double strength;
+
+  /* Volume; scalars is null without one. */
+  const void* scalars; /**< [z][y][x], of the caller or a copy */
+  chi_type type;       /**< CHI_U8, CHI_I16, CHI_U16 or CHI_F32 */
+  int32_t nearest;
+  size_t dimensions[3];
+  float table_base, table_scale, table_offset; /**< entry = (scalar - base) scale + offset */
+  float quantum;
+  size_t entries;
+  const chi_plan_entry* table; /**< [entries] */
+  const float (*rgba)[4];      /**< [entries] colours at the nearest entry */
+  const uint8_t* occupied;     /**< [bricks z][y][x] of brick_edge^3 cells */
+  size_t bricks[3];
+  int32_t brick_edge;
+  int32_t use_bricks; /**< 0: sample everything */
+
+  /* Light. */
+  float direction[CHI_PLAN_DIRECTIONS][2]; /**< slopes */
+  float share[CHI_PLAN_DIRECTIONS];        /**< of the visibility */
+  float mean_length;                       /**< mean path a unit depth */
+  float thin;             /**< thickness below which that of a light pixel is the plain mean */
+  double light_pixels[2]; /**< light pixels a unit of shift and slope */
+  /** Of light pixels -1, 0, 1 at offsets -1/4, 0, 1/4 from the middle one */
+  double light_weight[3][3];
+  chi_plan_field field[2];
+  int32_t fields, surface_field;
+  const chi_plan_shift* shift; /**< [slabs][directions] */
+
+  /* Surfaces, [height][width]; null without any. Infinite where there is none. */
+  const float (*surface)[4]; /**< depth in slices; plane of light planes that is received; slabs
+                                that it begins and ends to block */
+  const float (*surface_more)[4]; /**< share of light that it blocks a slab; shift, in units of
+                                     slope, from the last slab's end; depth, world units; 0 */
+
+  /* Vicinity; 0 samples: none. */
+  int32_t vicinity_samples, vicinity_plane_rule, combine;
+  int32_t lights;                               /**< 1 or 2 */
+  float vicinity_disc[2][CHI_PLAN_VICINITY][2]; /**< of each light, in radii */
+  double vicinity_radius[2], vicinity_share[2]; /**< world units; of all light */
+  double vicinity_distance;                     /**< world units */
+  double vicinity_bias;                         /**< world units, where not the plane rule holds */
+  double vicinity_pixels[2]; /**< pixels a world unit (parallel), or a unit of slope */
+  double vicinity_curvature, vicinity_rise, vicinity_fade; /**< of the plane rule */
+
+  /* Where anything happens. */
+  const chi_rect* samples;  /**< [slabs] pixels */
+  const chi_rect* blockers; /**< [slabs] light pixels whose geometry blocks */
+  const chi_rect* light;    /**< [slabs] light pixels to be updated; all others are 1 or not read */
+  const chi_rect*
+    receivers;     /**< [slabs] pixels whose surface lies between the planes g - 1 and g */
+  chi_rect beyond; /**< pixels whose surface lies behind the last plane */
+} chi_occlusion_plan;
+
+/**
+ * Describe a frame without carrying it out.
+ *
+ * @param[out] plan  owned by the handle but for the samples, valid until its next call
+ *
+ * Arguments, status and what is kept between frames are those of chi_occlusion_render; the last
+ * picture stands unless memory runs out. Probes are not served.
+ *
+ * Cost  surfaces: 8 floats a pixel; slabs x directions; bricks and tables where they have changed.
+ */
+CHI_API CHI_NODISCARD chi_status chi_occlusion_describe(const chi_exec* exec,
+  chi_occlusion* occlusion, const chi_occlusion_frame* frame, chi_occlusion_plan* plan);
+
+/** The features of a frame, as its plan would have them, without making one; of any frame that
+ * chi_occlusion_render takes. */
+CHI_API uint64_t chi_occlusion_features(const chi_occlusion_frame* frame);
+
+/** What a feature bit stands for, to be read by users: "the published occlusion method". Never
+ * NULL. */
+CHI_API const char* chi_occlusion_feature_name(uint64_t feature);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
