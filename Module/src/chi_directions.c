@@ -128,8 +128,27 @@ static void place_light(chi_light* light, const double direction[3], double cone
   light->share = share;
 }
 
+/* Channels of equal attenuation share their light. */
+static void place_channels(chi_scene* scene, const chi_occlusion_params* params)
+{
+  scene->channels = 0;
+  for (int c = 0; c < 3; ++c)
+  {
+    const float factor = params->colored_attenuation ? (float)params->attenuation[c] : 1;
+    int k = 0;
+    while (k < scene->channels && scene->factor[k] != factor)
+    {
+      ++k;
+    }
+    scene->channels += k == scene->channels;
+    scene->factor[k] = factor;
+    scene->channel_of[c] = k;
+  }
+}
+
 void chi_scene_place_lights(chi_scene* scene, const chi_occlusion_params* params)
 {
+  place_channels(scene, params);
   /* One buffer cannot keep the light of two sides apart: the published rule has one light. */
   const double second = scene->published ? 0 : params->second_light_share;
   scene->lights = 0;

@@ -69,7 +69,10 @@ static void collect_row(const march* m, int64_t y)
     {
       layer_row(m, LAYER_DEPTH + k, y)[x] = depth[k];
       layer_row(m, LAYER_WEIGHT + k, y)[x] = 0;
-      layer_row(m, LAYER_VISIBILITY + k, y)[x] = 1;
+      for (int c = 0; c < m->scene->channels; ++c)
+      {
+        layer_row(m, LAYER_VISIBILITY + c * CHI_MAX_LAYERS + k, y)[x] = 1;
+      }
       nearest = fminf(nearest, depth[k]);
     }
     m->layer_first[(size_t)y * m->stride + (size_t)x] = 0;
@@ -140,12 +143,15 @@ static void light_row(const march* m, int64_t y, const int64_t columns[2], float
   for (int k = 0; k < m->layers; ++k)
   {
     const float* const depth = layer_row(m, LAYER_DEPTH + k, y);
-    float* const visibility = layer_row(m, LAYER_VISIBILITY + k, y);
     for (int64_t x = columns[0]; x < columns[1]; ++x)
     {
       if (depth[x] < INFINITY && step_of(m, depth[x]) >= first && step_of(m, depth[x]) <= last)
       {
-        visibility[x] = (float)chi_march_visibility(m, (double)depth[x], x, y);
+        for (int c = 0; c < m->scene->channels; ++c)
+        {
+          layer_row(m, LAYER_VISIBILITY + c * CHI_MAX_LAYERS + k, y)[x] =
+            (float)chi_march_visibility(m, c, (double)depth[x], x, y);
+        }
       }
     }
   }
@@ -318,9 +324,10 @@ void chi_layers_finish(void* data, size_t begin, size_t end)
         const float weight = layer_row(m, LAYER_WEIGHT + k, y)[x];
         if (weight > 0)
         {
-          const float light = 1 - m->strength * (1 - layer_row(m, LAYER_VISIBILITY + k, y)[x]);
           for (int c = 0; c < 3; ++c)
           {
+            const int plane = LAYER_VISIBILITY + m->scene->channel_of[c] * CHI_MAX_LAYERS + k;
+            const float light = 1 - m->strength * (1 - layer_row(m, plane, y)[x]);
             picture(m, RED + c, y)[x] += weight * light * layer_color(m, k, x, y)[c];
           }
         }

@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "chi_occlusion_describe.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -34,7 +35,7 @@ typedef struct frame_key
   const void* depth;
   const void* layers[2];
   uint64_t surface_version, layers_version;
-  double lights[8]; /* directions, the second one's cone and share */
+  double lights[11]; /* directions, the second one's cone and share, attenuation */
   int64_t integers[16];
 } frame_key;
 
@@ -49,6 +50,7 @@ struct chi_occlusion
   frame_key frame;
   int has_bricks, has_classification, has_frame;
   int32_t width, height;
+  size_t colors; /* of the visibility: 1, or 3 interleaved with their mean behind them all */
   chi_occlusion_stats stats;
   /* of chi_occlusion_describe */
   chi_plan_keep plan;
@@ -165,6 +167,13 @@ static int cone_is_valid(double angle)
 
 static int lights_are_valid(const chi_occlusion_params* p)
 {
+  for (int c = 0; c < 3 && p->colored_attenuation; ++c)
+  {
+    if (!(p->attenuation[c] >= 0 && p->attenuation[c] <= FLT_MAX))
+    {
+      return 0;
+    }
+  }
   return cone_is_valid(p->cone_angle_rad) && all_finite(p->light_direction, 3) &&
     all_finite(p->second_light_direction, 3) && p->second_light_share >= 0 &&
     p->second_light_share <= 1 &&
@@ -187,7 +196,8 @@ static chi_status check_frame(const chi_occlusion_frame* frame)
 {
   if (!frame || !camera_is_valid(frame->camera) || !params_are_valid(frame->params) ||
     (frame->volume && !transfer_is_valid(frame->transfer)) ||
-    (frame->surface && !frame->surface->depth) || !chi_layers_are_valid(frame->layers) || frame->clip_plane_count > CHI_MAX_CLIP_PLANES ||
+    (frame->surface && !frame->surface->depth) || !chi_layers_are_valid(frame->layers) ||
+    frame->clip_plane_count > CHI_MAX_CLIP_PLANES ||
     (frame->clip_plane_count &&
       !(frame->clip_planes && all_finite(frame->clip_planes, 4 * (int)frame->clip_plane_count))) ||
     (frame->crop && !all_finite(frame->crop->planes[0], 24)) ||
@@ -247,6 +257,10 @@ static frame_key key_of_frame(const chi_occlusion_frame* frame)
   memcpy(key.lights + 3, p->second_light_direction, sizeof p->second_light_direction);
   key.lights[6] = p->second_light_cone_angle_rad;
   key.lights[7] = p->second_light_share;
+  for (int k = 0; k < 3; ++k)
+  {
+    key.lights[8 + k] = p->colored_attenuation ? p->attenuation[k] : 1;
+  }
   if (frame->volume)
   {
     memcpy(key.index_to_world, frame->volume->index_to_world, sizeof key.index_to_world);
@@ -389,7 +403,8 @@ chi_status chi_occlusion_render(
   const size_t pixels = (size_t)scene.width * (size_t)scene.height;
   if (status == CHI_OK &&
     (!chi_buffer_reserve(exec, &o->rgba, pixels, 4 * sizeof(float)) ||
-      !chi_buffer_reserve(exec, &o->visibility, pixels, sizeof(float))))
+      !chi_buffer_reserve(
+        exec, &o->visibility, pixels * (scene.channels > 1 ? 4 : 1), sizeof(float))))
   {
     status = CHI_ERROR_OUT_OF_MEMORY;
   }
@@ -403,6 +418,7 @@ chi_status chi_occlusion_render(
   {
     o->frame = key;
     o->has_frame = 1;
+    o->colors = scene.channels > 1 ? 3 : 1;
     o->width = scene.width;
     o->height = scene.height;
   }
@@ -472,11 +488,13 @@ void chi_occlusion_get_image(const chi_occlusion* o, chi_occlusion_image* image)
 {
   if (image)
   {
-    const int valid = o && o->has_frame;
+    const int valid = o && o->has_frame, colored = valid && o->colors == 3;
+    const float* const visibility = valid ? (const float*)o->visibility.data : NULL;
     *image = (chi_occlusion_image){ .width = valid ? o->width : 0,
       .height = valid ? o->height : 0,
       .rgba = valid ? (const float*)o->rgba.data : NULL,
-      .visibility = valid ? (const float*)o->visibility.data : NULL };
+      .visibility = colored ? visibility + 3 * (size_t)o->width * (size_t)o->height : visibility,
+      .visibility_rgb = colored ? visibility : NULL };
   }
 }
 

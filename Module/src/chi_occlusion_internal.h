@@ -107,10 +107,13 @@ typedef struct chi_scene
   float weight[CHI_MAX_ORDINATES]; /* of the directions in visibility; they add up to 1 */
   int weighted;                    /* they are not all equal */
   float mean_length;               /* path length a unit depth, by weight */
+  /* Colours of light that are attenuated differently: 1, each red, green and blue, or in between */
+  int channels, channel_of[3];
+  float factor[3]; /* [channels] of the optical thickness */
   int published;
 } chi_scene;
 
-/* Lights, directions and weights of a scene; `published` is set. chi_directions.c */
+/* Lights, directions, weights and channels of a scene; `published` is set. chi_directions.c */
 void chi_scene_place_lights(chi_scene* scene, const chi_occlusion_params* params);
 
 chi_status chi_scene_build(
@@ -177,9 +180,11 @@ int chi_vicinity_disc(const chi_scene* scene, const chi_occlusion_params* params
 /* Rays end at alpha 0.998: what is left is half a step of 255. */
 #define CHI_SATURATED 0.002f
 
-/* Combine the visibilities of surfaces, before strength, with what their vicinity leaves. */
+/* Combine the visibilities of surfaces, `colors` a pixel, before strength, with what their vicinity
+ * leaves. */
 chi_status chi_vicinity(const chi_exec* exec, const chi_scene* scene,
-  const chi_surface_view* surface, const chi_occlusion_params* params, float* visibility);
+  const chi_surface_view* surface, const chi_occlusion_params* params, float* visibility,
+  size_t colors);
 
 /* Light that travels for one kind of receiver. */
 typedef struct chi_light_field
@@ -202,7 +207,8 @@ typedef struct chi_march
   chi_buffer planes; /* float, picture-sized state; see chi_occlusion_march.c */
   chi_buffer cells, last_slab, live, live_row, sampled, done, order, reach, steps, ranges, scratch;
   chi_buffer layers, layer_flags; /* see chi_layers.c */
-  chi_light_field field[2];
+  chi_light_field field[2][3];    /* for the volume, for geometry; [channels] */
+  chi_buffer tint;                /* float; see chi_occlusion_march.h */
 } chi_march;
 
 chi_status chi_march_run(const chi_exec* exec, chi_march* march, const chi_scene* scene,

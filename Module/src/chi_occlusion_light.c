@@ -27,8 +27,8 @@ static int source_is_dirty(
   return dirty;
 }
 
-static void light_piece(
-  march* m, chi_light_field* f, int64_t slab, int64_t y, int k, int needed, light_counts* counts)
+static void light_piece(march* m, chi_light_field* f, float factor, int64_t slab, int64_t y, int k,
+  int needed, light_counts* counts)
 {
   const chi_scene* const s = m->scene;
   const int64_t read = slab & 1, write = read ^ 1;
@@ -46,7 +46,7 @@ static void light_piece(
     *target_dirty = *seen_dirty = 1; /* unknown, and nobody asks */
     return;
   }
-  const int has_tau = f->volume && m->tau_flag[y * m->segments + k];
+  const int has_tau = f->volume && factor > 0 && m->tau_flag[y * m->segments + k];
   const int blocked = f->geometry && chi_march_block_light(m, slab, y, k, geometry);
   if (!m->keep_all && !has_tau && !blocked && !source_is_dirty(m, f, read, y, k))
   {
@@ -82,7 +82,7 @@ static void light_piece(
     .stride = m->light_row,
     .directions = s->directions,
     .share = s->weighted ? s->weight : NULL,
-    .factor = 1,
+    .factor = factor,
     .tau = has_tau ? tau + x : NULL,
     .length = length,
     .length_x = length_x,
@@ -97,6 +97,25 @@ static void light_piece(
   counts->updates += cost;
 }
 
+/* The thickness of light pixels where the picture has four for each: that which gives light of this
+ * factor the mean transmittance. */
+static void halve_piece(march* m, int64_t slab, const int64_t rows[2], int k, float factor)
+{
+  const int x = k * CHI_SEGMENT;
+  for (int64_t y = rows[0]; y < rows[1] && m->scene->scale == 2 && factor > 0; ++y)
+  {
+    if (m->tau_flag[y * m->segments + k])
+    {
+      const float* const tau[2] = { tau_row(m, slab, 2 * y) + 2 * x,
+        tau_row(m, slab, 2 * y + 1) + 2 * x };
+      const float* const before[2] = { tau_row(m, slab - 1, 2 * y) + 2 * x,
+        tau_row(m, slab - 1, 2 * y + 1) + 2 * x };
+      m->kernels->halve(tau, before, m->scene->mean_length * factor,
+        light_scratch(m, LIGHT_TAU, y) + x, CHI_SEGMENT);
+    }
+  }
+}
+
 /* One slab's light for a band of rows; piece by piece, so that the rows of a piece, which share
  * most of what they read, follow each other while it is in the nearest cache. */
 void chi_march_light_band(
@@ -104,24 +123,16 @@ void chi_march_light_band(
 {
   for (int k = 0; k < m->segments; ++k)
   {
-    const int x = k * CHI_SEGMENT;
-    for (int64_t y = rows[0]; y < rows[1] && m->scene->scale == 2; ++y)
+    for (int c = 0; c < m->scene->channels; ++c)
     {
-      if (m->tau_flag[y * m->segments + k])
+      const float factor = m->scene->factor[c];
+      halve_piece(m, slab, rows, k, factor);
+      for (int f = 0; f < m->fields; ++f)
       {
-        const float* const tau[2] = { tau_row(m, slab, 2 * y) + 2 * x,
-          tau_row(m, slab, 2 * y + 1) + 2 * x };
-        const float* const before[2] = { tau_row(m, slab - 1, 2 * y) + 2 * x,
-          tau_row(m, slab - 1, 2 * y + 1) + 2 * x };
-        m->kernels->halve(
-          tau, before, m->scene->mean_length, light_scratch(m, LIGHT_TAU, y) + x, CHI_SEGMENT);
-      }
-    }
-    for (int f = 0; f < m->fields; ++f)
-    {
-      for (int64_t y = rows[0]; y < rows[1]; ++y)
-      {
-        light_piece(m, &m->keep->field[f], slab, y, k, need[k], counts);
+        for (int64_t y = rows[0]; y < rows[1]; ++y)
+        {
+          light_piece(m, &m->keep->field[f][c], factor, slab, y, k, need[k], counts);
+        }
       }
     }
   }

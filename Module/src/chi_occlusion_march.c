@@ -219,6 +219,12 @@ static void run_tickets(void* data, size_t begin, size_t end)
   }
 }
 
+/* Values a pixel of the visibility that is handed out. */
+static size_t colors_of(const march* m)
+{
+  return m->scene->channels > 1 ? 3 : 1;
+}
+
 static void store_rows(void* data, size_t begin, size_t end)
 {
   const march* const m = ((march* const*)data)[0];
@@ -240,19 +246,37 @@ static void store_rows(void* data, size_t begin, size_t end)
     {
       rgba[4 * (y * width + x) + 3] = 1 - transmittance[x];
     }
-    memcpy(
-      visibility + y * width, picture(m, SURFACE_VISIBILITY, (int64_t)y), width * sizeof(float));
+    const size_t colors = colors_of(m);
+    for (size_t c = 0; c < colors; ++c)
+    {
+      const float* const seen =
+        surface_visibility(m, colors == 1 ? 0 : m->scene->channel_of[c], (int64_t)y);
+      for (size_t x = 0; x < width; ++x)
+      {
+        visibility[colors * (y * width + x) + c] = seen[x];
+      }
+    }
   }
 }
 
-static void apply_strength(void* data, size_t begin, size_t end)
+/* Behind the colours of all pixels, where there are three, lies their mean. */
+static void finish_visibility(void* data, size_t begin, size_t end)
 {
   const march* const m = ((march* const*)data)[0];
   float* const visibility = ((float* const*)data)[1];
-  const size_t width = (size_t)m->scene->width;
+  const size_t width = (size_t)m->scene->width, colors = colors_of(m);
+  float* const mean = visibility + colors * width * (size_t)m->scene->height;
   for (size_t i = begin * width; i < end * width; ++i)
   {
-    visibility[i] = 1 - m->strength * (1 - visibility[i]);
+    float* const v = visibility + colors * i;
+    for (size_t c = 0; c < colors; ++c)
+    {
+      v[c] = 1 - m->strength * (1 - v[c]);
+    }
+    if (colors == 3)
+    {
+      mean[i] = (v[0] + v[1] + v[2]) / 3;
+    }
   }
 }
 
@@ -329,12 +353,15 @@ chi_status chi_march_run(const chi_exec* exec, chi_march* keep, const chi_scene*
     void* outputs[3] = { &m, rgba, visibility };
     status = chi_for(exec, (size_t)scene->height, store_rows, outputs);
   }
-  if (status == CHI_OK && frame->surface && m.shaded)
+  const int receives = frame->surface && m.shaded;
+  if (status == CHI_OK && receives)
   {
-    status = chi_vicinity(exec, scene, frame->surface, frame->params, visibility);
+    status = chi_vicinity(exec, scene, frame->surface, frame->params, visibility, colors_of(&m));
+  }
+  if (status == CHI_OK && (receives || colors_of(&m) == 3))
+  {
     void* outputs[2] = { &m, visibility };
-    status =
-      status == CHI_OK ? chi_for(exec, (size_t)scene->height, apply_strength, outputs) : status;
+    status = chi_for(exec, (size_t)scene->height, finish_visibility, outputs);
   }
   result->seconds_slices = chi_seconds() - t1;
   result->samples = m.samples;
@@ -350,16 +377,20 @@ void chi_march_free(const chi_exec* exec, chi_march* keep)
 {
   chi_buffer* const all[] = { &keep->planes, &keep->cells, &keep->last_slab, &keep->live,
     &keep->live_row, &keep->sampled, &keep->done, &keep->order, &keep->reach, &keep->steps,
-    &keep->ranges, &keep->scratch, &keep->layers, &keep->layer_flags };
+    &keep->ranges, &keep->scratch, &keep->layers, &keep->layer_flags, &keep->tint };
   for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
   {
     chi_buffer_free(exec, all[i]);
   }
   for (int f = 0; f < 2; ++f)
   {
-    chi_buffer_free(exec, &keep->field[f].light[0]);
-    chi_buffer_free(exec, &keep->field[f].light[1]);
-    chi_buffer_free(exec, &keep->field[f].visibility);
-    chi_buffer_free(exec, &keep->field[f].dirty);
+    for (int c = 0; c < 3; ++c)
+    {
+      chi_light_field* const field = &keep->field[f][c];
+      chi_buffer_free(exec, &field->light[0]);
+      chi_buffer_free(exec, &field->light[1]);
+      chi_buffer_free(exec, &field->visibility);
+      chi_buffer_free(exec, &field->dirty);
+    }
   }
 }

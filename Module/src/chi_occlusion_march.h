@@ -37,10 +37,13 @@ enum
   SURFACE_VISIBILITY,
   PICTURE_PLANES,
   LAYER_DEPTH = 0, /* of chi_march.layers, CHI_MAX_LAYERS each: slices; INFINITY: none */
-  LAYER_WEIGHT = LAYER_DEPTH + CHI_MAX_LAYERS,      /* transmittance in front of the layer */
-  LAYER_VISIBILITY = LAYER_WEIGHT + CHI_MAX_LAYERS, /* before strength */
-  LAYER_RED = LAYER_VISIBILITY + CHI_MAX_LAYERS,    /* and green, blue, transmittance: */
-  LAYER_PLANES = LAYER_RED + 4,                     /* a row before it is sampled */
+  LAYER_WEIGHT = LAYER_DEPTH + CHI_MAX_LAYERS,       /* transmittance in front of the layer */
+  LAYER_VISIBILITY = LAYER_WEIGHT + CHI_MAX_LAYERS,  /* before strength; a channel */
+  LAYER_RED = LAYER_VISIBILITY + 3 * CHI_MAX_LAYERS, /* and green, blue, transmittance: */
+  LAYER_PLANES = LAYER_RED + 4,                      /* a row before it is sampled */
+  ROW_TINT = 0,     /* of chi_march.tint, where there are more channels than one: the second and */
+  SURFACE_TINT = 2, /* third channel's ROW_VISIBILITY, SURFACE_VISIBILITY */
+  TINT_PLANES = 4,
   LIGHT_TAU = 0,
   GEOMETRY,
   LIGHT_PLANES
@@ -76,6 +79,7 @@ typedef struct march
   const chi_classification* classification;
   float* planes;  /* [PICTURE_PLANES][rows][stride] */
   float* scratch; /* [LIGHT_PLANES][light rows][light_stride] */
+  float* tint;    /* [TINT_PLANES][rows][stride]; NULL with one channel */
   size_t stride, rows, plane;
   /* Light: [rows][directions][light_stride], so that a row of all directions is contiguous (pages,
    * cache sets); visibility: [ring][rows][light_stride]. Origins: pixel (0, 0) within the padding.
@@ -118,6 +122,23 @@ typedef struct march
 static inline float* picture(const march* m, int which, int64_t y)
 {
   return m->planes + ((size_t)y * PICTURE_PLANES + (size_t)which) * m->stride;
+}
+
+static inline float* channel_row(const march* m, int channel, int which, int tint, int64_t y)
+{
+  return channel == 0 ? picture(m, which, y)
+                      : m->tint + ((size_t)(tint + channel - 1) * m->rows + (size_t)y) * m->stride;
+}
+
+/* Visibility of a row of pixels, one slice's; and of its surface; in a channel of light. */
+static inline float* row_visibility(const march* m, int channel, int64_t y)
+{
+  return channel_row(m, channel, ROW_VISIBILITY, ROW_TINT, y);
+}
+
+static inline float* surface_visibility(const march* m, int channel, int64_t y)
+{
+  return channel_row(m, channel, SURFACE_VISIBILITY, SURFACE_TINT, y);
 }
 
 /* Optical thickness of a row in a slab; that of the slab before is there as well. */
@@ -198,7 +219,7 @@ void chi_march_light_rest(void* data, size_t begin, size_t end);
 void chi_march_read_probes(const march* m, int64_t step, int64_t begin, int64_t end);
 void chi_march_read_last_probes(const march* m);
 
-double chi_march_visibility(const march* m, double slices, int64_t x, int64_t y);
+double chi_march_visibility(const march* m, int channel, double slices, int64_t x, int64_t y);
 
 /* chi_layers.c; the first, third and last are bodies of parallel loops over rows, light rows and
  * rows */

@@ -172,8 +172,11 @@ static void plan_fields(march* m)
   chi_frame_fields(m->frame, &light);
   for (int f = 0; f < 2; ++f)
   {
-    m->keep->field[f].volume = light.volume[f];
-    m->keep->field[f].geometry = light.geometry[f];
+    for (int c = 0; c < m->scene->channels; ++c)
+    {
+      m->keep->field[f][c].volume = light.volume[f];
+      m->keep->field[f][c].geometry = light.geometry[f];
+    }
   }
   m->fields = light.fields;
   m->surface_field = light.surface_field;
@@ -201,7 +204,9 @@ static chi_status reserve(march* m)
     !chi_buffer_reserve(exec, &keep->order, blocks * bands + 1, 2 * sizeof(int64_t)) ||
     !chi_buffer_reserve(exec, &keep->reach, slabs + 1, sizeof(double)) ||
     !chi_buffer_reserve(exec, &keep->steps, slabs + 1, sizeof(light_step)) ||
-    !chi_buffer_reserve(exec, &keep->ranges, light_rows * segments, 4 * sizeof(float)))
+    !chi_buffer_reserve(exec, &keep->ranges, light_rows * segments, 4 * sizeof(float)) ||
+    (s->channels > 1 &&
+      !chi_buffer_reserve(exec, &keep->tint, TINT_PLANES * m->plane + 64, sizeof(float))))
   {
     return CHI_ERROR_OUT_OF_MEMORY;
   }
@@ -220,6 +225,7 @@ static chi_status reserve(march* m)
   m->reach = (double*)keep->reach.data;
   m->steps = (light_step*)keep->steps.data;
   m->ranges = (float*)keep->ranges.data;
+  m->tint = (float*)keep->tint.data;
   memset(keep->done.data, 0, blocks * bands);
   memset(m->live_row, 1, m->rows * cells);
   memset(m->tau_stale, 0, 2 * m->rows);
@@ -242,7 +248,10 @@ static void clear_rows(void* data, size_t begin, size_t end)
     memset(picture(m, TAU, (int64_t)y), 0, m->stride * sizeof(float));
     memset(picture(m, TAU_OTHER, (int64_t)y), 0, m->stride * sizeof(float));
     chi_fill_ones(picture(m, TRANSMITTANCE, (int64_t)y), (int)m->stride);
-    chi_fill_ones(picture(m, SURFACE_VISIBILITY, (int64_t)y), (int)m->stride);
+    for (int c = 0; c < m->scene->channels; ++c)
+    {
+      chi_fill_ones(surface_visibility(m, c, (int64_t)y), (int)m->stride);
+    }
   }
 }
 
@@ -288,6 +297,8 @@ static void set_sample_frame(march* m)
   {
     f->cut.plane[k / 4][k % 4] = (float)m->scene->crop[k / 4][k % 4];
   }
+  f->tinted = m->scene->channels > 1;
+  f->general |= f->tinted;
 }
 
 static void plan_layout(march* m)
@@ -330,7 +341,10 @@ chi_status chi_march_plan(march* m)
     m->light_plane * (m->scene->published ? 1 : (size_t)m->scene->directions);
   for (int f = 0; f < m->fields && status == CHI_OK; ++f)
   {
-    status = clear_field(m, &m->keep->field[f], light_floats);
+    for (int c = 0; c < m->scene->channels && status == CHI_OK; ++c)
+    {
+      status = clear_field(m, &m->keep->field[f][c], light_floats);
+    }
   }
   if (status == CHI_OK)
   {

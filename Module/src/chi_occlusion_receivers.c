@@ -167,17 +167,21 @@ static double to_light(const chi_scene* s, double pixel)
 }
 
 /* What geometry at this depth of a pixel receives, before strength. */
-double chi_march_visibility(const march* m, double slices, int64_t x, int64_t y)
+double chi_march_visibility(const march* m, int channel, double slices, int64_t x, int64_t y)
 {
   const chi_scene* const s = m->scene;
-  return visibility_at(m, &m->keep->field[m->surface_field], chi_march_receiver_plane(s, slices),
-    to_light(s, (double)x + 0.5), to_light(s, (double)y + 0.5));
+  return visibility_at(m, &m->keep->field[m->surface_field][channel],
+    chi_march_receiver_plane(s, slices), to_light(s, (double)x + 0.5),
+    to_light(s, (double)y + 0.5));
 }
 
 static void light_surface(const march* m, int64_t y, int64_t x)
 {
   const double depth = (double)picture(m, RECEIVER, y)[x];
-  picture(m, SURFACE_VISIBILITY, y)[x] = (float)chi_march_visibility(m, depth, x, y);
+  for (int c = 0; c < m->scene->channels; ++c)
+  {
+    surface_visibility(m, c, y)[x] = (float)chi_march_visibility(m, c, depth, x, y);
+  }
 }
 
 /* Surfaces of one light row whose planes are complete in this step. */
@@ -216,8 +220,8 @@ static double probe_plane(const march* m, size_t i)
 static void read_probe(const march* m, size_t i)
 {
   const double* const p = m->frame->probes->position + 3 * i;
-  m->frame->probes->visibility[i] = (float)visibility_at(
-    m, &m->keep->field[0], probe_plane(m, i), to_light(m->scene, p[0]), to_light(m->scene, p[1]));
+  m->frame->probes->visibility[i] = (float)visibility_at(m, &m->keep->field[0][0],
+    probe_plane(m, i), to_light(m->scene, p[0]), to_light(m->scene, p[1]));
 }
 
 /* Probes of rows [begin, end) that this step completes. */

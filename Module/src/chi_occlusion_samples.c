@@ -9,10 +9,10 @@
 
 /* Visibility of a run of pixels at a slice, or NULL where all of it is 1. */
 static const float* run_visibility(
-  const march* m, int64_t slab, double slices, int64_t y, int x_begin, int x_end)
+  const march* m, int channel, int64_t slab, double slices, int64_t y, int x_begin, int x_end)
 {
   const chi_scene* const s = m->scene;
-  const chi_light_field* const f = &m->keep->field[0];
+  const chi_light_field* const f = &m->keep->field[0][channel];
   if (!m->shaded || !(f->volume || f->geometry) || slab == 0)
   {
     return NULL;
@@ -68,7 +68,7 @@ static const float* run_visibility(
   {
     return NULL;
   }
-  float* const out = picture(m, ROW_VISIBILITY, y);
+  float* const out = row_visibility(m, channel, y);
   m->kernels->enlarge(source, weight, count, base, s->scale, x_begin, x_end, out);
   return out;
 }
@@ -148,7 +148,16 @@ void chi_march_sample_row(
       row->saturated_too = light;
       /* A steep step may begin at the near slice: read from the middle, the bias would shrink by
        * half a slice there and leave a saw-tooth of light. */
-      row->visibility = live[cx] ? run_visibility(m, slab, (double)segment, y, x0, x1) : NULL;
+      const float* visibility[3] = { NULL, NULL, NULL };
+      for (int c = 0; c < s->channels && live[cx]; ++c)
+      {
+        visibility[c] = run_visibility(m, c, slab, (double)segment, y, x0, x1);
+      }
+      row->visibility = visibility[0];
+      for (int c = 0; c < 3 && s->channels > 1; ++c)
+      {
+        row->tint[c] = visibility[s->channel_of[c]];
+      }
       row->any_tau = 0;
       const int layered = m->layers && chi_layers_before(m, row, y, cx, end);
       m->kernels->sample(row, x0, x1);

@@ -22,6 +22,7 @@ typedef struct vicinity_job
   double radius[2]; /* of each light's base of its cone, world units */
   double disc[2][CHI_MAX_VICINITY_SAMPLES][2];
   float* visibility;
+  size_t colors;
 } vicinity_job;
 
 /* Depth of a pixel, INFINITY where there is none. */
@@ -99,10 +100,15 @@ static void combine_rows(void* data, size_t begin, size_t end)
       const double z = depth_at(it, x, y);
       if (z < INFINITY)
       {
-        float* const v = it->visibility + y * width + x;
-        const double partial = (double)*v, near = vicinity(it, x, y, z);
-        *v = (float)(it->params->combine == CHI_COMBINE_MINIMUM ? fmin(partial, near) /* Eq. 7 */
-                                                                : partial * near);    /* Eq. 8 */
+        float* const v = it->visibility + it->colors * (size_t)(y * width + x);
+        const double near = vicinity(it, x, y, z);
+        for (size_t c = 0; c < it->colors; ++c)
+        {
+          const double partial = (double)v[c];
+          v[c] =
+            (float)(it->params->combine == CHI_COMBINE_MINIMUM ? fmin(partial, near) /* Eq. 7 */
+                                                               : partial * near);    /* Eq. 8 */
+        }
       }
     }
   }
@@ -133,14 +139,16 @@ int chi_vicinity_disc(const chi_scene* scene, const chi_occlusion_params* params
 }
 
 chi_status chi_vicinity(const chi_exec* exec, const chi_scene* scene,
-  const chi_surface_view* surface, const chi_occlusion_params* params, float* visibility)
+  const chi_surface_view* surface, const chi_occlusion_params* params, float* visibility,
+  size_t colors)
 {
   vicinity_job job = { .exec = exec,
     .scene = scene,
     .depth = surface->depth,
     .params = params,
     .pixels = { scene->pixels_x * scene->scale, scene->pixels_y * scene->scale },
-    .visibility = visibility };
+    .visibility = visibility,
+    .colors = colors };
   int count = 0;
   for (int light = 0; light < scene->lights; ++light)
   {

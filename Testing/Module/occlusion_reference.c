@@ -530,9 +530,9 @@ double reference_visibility(const reference_volume* v, const reference_surface* 
     const double mu = 1 - (1 - cos(rays->half_angle)) * (m + 0.5) / rays->count;
     const double sine = sqrt(1 - mu * mu), azimuth = (m + 0.5) * golden_angle;
     double direction[3], d[3] = { sine * cos(azimuth), sine * sin(azimuth), mu };
-    if (rays->axis[0] != 0 || rays->axis[1] != 0)
+    if (view->light[0] != 0 || view->light[1] != 0)
     {
-      turn_to(rays->axis, d);
+      turn_to(view->light, d);
     }
     for (int a = 0; a < 3; ++a)
     {

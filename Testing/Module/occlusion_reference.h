@@ -43,6 +43,8 @@ typedef struct reference_view
 {
   chi_camera camera;
   double eye[3];
+  double light[3]; /* middle of the cone: x right, y up, z to the eye along the line of sight; all
+                      0: (0, 0, 1) */
 } reference_view;
 
 /* Points in index space, x y z, and the pixel each lies in the middle of where that matters. */
@@ -57,8 +59,6 @@ typedef struct reference_rays
 {
   int count;
   double step, half_angle;
-  double axis[3]; /* to the light, x right, y up, z to the eye along the line of sight; 0: (0, 0, 1)
-                   */
 } reference_rays;
 
 /* Opaque geometry as the engine sees it: a depth a pixel of the view, blocking light from there

@@ -93,6 +93,13 @@ typedef struct chi_occlusion_params
   double second_light_share; /**< its part in all light, 0 ... 1; 0 = none (default); with as many
                                 directions again; not with the published rule, which has one light
                               */
+  /** Coloured light: what passes through the volume loses exp(- factor x optical depth) in red,
+   * green and blue, so that little in a channel lets that light through. Used where
+   * colored_attenuation is non-zero, each finite and >= 0; else 1 (default). Costs a set of light
+   * buffers for each factor that differs. Probes read the red light. */
+  double attenuation[3];
+  int32_t colored_attenuation;
+  int32_t reserved_too;
 } chi_occlusion_params;
 
 /** Visibility at chosen points, for tests and for users who measure. */
@@ -117,8 +124,8 @@ typedef struct chi_occlusion_frame
     probes; /**< NULL: none; a frame with probes is never taken as unchanged */
   /** The volume is cut: a sample stays where a x + b y + c z + d >= 0 of every plane, world
    * coordinates; what is cut away neither draws nor blocks light. */
-  const double* clip_planes; /**< [clip_plane_count x 4], not all of a, b, c zero */
-  size_t clip_plane_count;   /**< 0 ... CHI_MAX_CLIP_PLANES */
+  const double* clip_planes;     /**< [clip_plane_count x 4], not all of a, b, c zero */
+  size_t clip_plane_count;       /**< 0 ... CHI_MAX_CLIP_PLANES */
   const chi_layers_view* layers; /**< NULL: no translucent geometry */
   const chi_crop_view* crop; /**< NULL: no regions are cropped; applies besides the clip planes */
 } chi_occlusion_frame;
@@ -133,6 +140,9 @@ typedef struct chi_occlusion_image
   const float* visibility; /**< [height x width] of the surface, planes and vicinity combined, after
                                 strength: its ambient and
                                 diffuse colour is to be multiplied by it; 1 where there is none */
+  const float*
+    visibility_rgb; /**< [height x width x 3] the same under coloured light, of which
+                         visibility is the mean then; NULL where all channels are alike */
 } chi_occlusion_image;
 
 /** What the last frame cost. Times are seconds of wall clock, summed over threads where marked (t).

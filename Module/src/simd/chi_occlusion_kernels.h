@@ -12,7 +12,7 @@ enum
 {
   CHI_MAX_DIRECTIONS = 64, /* of a light */
   CHI_MAX_ORDINATES = 128, /* of all lights */
-  CHI_CELL_WIDTH = 32, /* pixels of the picture: granularity of empty-space tests */
+  CHI_CELL_WIDTH = 32,     /* pixels of the picture: granularity of empty-space tests */
   CHI_CELL_HEIGHT = 8,
   CHI_SEGMENT = 32 /* light buffer pixels: granularity of light skipping; a multiple of all lanes */
 };
@@ -53,6 +53,7 @@ typedef struct chi_sample_frame
 {
   const void* scalars;
   int fetch, nearest;
+  int tinted;                /* non-zero: visibility differs by colour; general runs */
   int general;               /* non-zero: colours are not those of the table alone */
   int32_t step_y, step_z;    /* samples; 0 along an axis of one sample */
   int32_t step_x;            /* 1, or 0 along an axis of one sample */
@@ -90,6 +91,7 @@ typedef struct chi_sample_row
   const float* leave;
   const float* surface;    /* slice units; NULL: no surface in front of the far slice */
   const float* visibility; /* NULL: 1 */
+  const float* tint[3];    /* where `tinted`, in its place: of red, green and blue */
   float near_slice;        /* slice coordinate of the segment's start */
   int first;               /* non-zero: nothing was sampled before by definition */
   int bricks;              /* non-zero: test bricks */

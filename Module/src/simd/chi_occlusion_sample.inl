@@ -294,7 +294,7 @@ CHI_INLINE void composite_piece(
     const vf alpha = vf_select(seen, 1.0f - vf_exp_neg(-tau), vf_set(0.0f));
     vf weight = transmittance * alpha;
     vf_store(row->transmittance + x, transmittance - weight);
-    if (row->visibility)
+    if (row->visibility && !(general && s->tinted))
     {
       weight *= vf_load(row->visibility + x);
     }
@@ -304,6 +304,10 @@ CHI_INLINE void composite_piece(
       for (int c = 0; c < 3; ++c)
       {
         color[c] = vf_load(piece->rgb[c] + i);
+        if (s->tinted && row->tint[c])
+        {
+          color[c] *= vf_load(row->tint[c] + x);
+        }
       }
     }
     else
