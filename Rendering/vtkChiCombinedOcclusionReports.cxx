@@ -218,6 +218,11 @@ bool vtkChiCombinedOcclusionVolumeMapper::GetReusedGeometry()
   vtkChiOcclusionFrame* frame = this->Internal->Frame;
   return frame && frame->GetGeometry()->GetReused();
 }
+int vtkChiCombinedOcclusionVolumeMapper::GetNumberOfDroppedLayers()
+{
+  vtkChiOcclusionFrame* frame = this->Internal->Frame;
+  return frame ? frame->GetTranslucent()->GetDropped() : 0;
+}
 const char* vtkChiCombinedOcclusionVolumeMapper::GetInstructionSet()
 {
   return chi_occlusion_instruction_set();

@@ -172,7 +172,7 @@ void vtkChiCombinedOcclusionVolumeMapper::Render(vtkRenderer* renderer, vtkVolum
     {
       return;
     }
-    in.Frame->BeginFrame();
+    in.Frame->Forget();
   }
   if (this->Collect(renderer, volume))
   {
@@ -267,10 +267,6 @@ void vtkChiCombinedOcclusionVolumeMapper::CollectUnsupported(vtkVolume* volume)
     "only the composite blend mode is supported yet: composite is used");
   check(vtkMultiVolume::SafeDownCast(volume) != nullptr,
     "vtkMultiVolume is not supported: this mapper's own input is drawn");
-  check(this->Internal->Peeling,
-    "depth peeling for volumes (vtkRenderer::SetUseDepthPeelingForVolumes) is not supported yet: "
-    "the "
-    "volume is drawn below all translucent geometry");
 }
 
 //------------------------------------------------------------------------------
@@ -314,7 +310,24 @@ void vtkChiCombinedOcclusionVolumeMapper::CollectParameters()
 void vtkChiCombinedOcclusionVolumeMapper::Surface(vtkRenderer* renderer)
 {
   Internals& in = *this->Internal;
-  in.Frame->GetGeometry()->Update(renderer, in.Camera, in.Viewport[2], in.Viewport[3]);
+  vtkChiGeometryBuffer* geometry = in.Frame->GetGeometry();
+  geometry->Update(renderer, in.Camera, in.Viewport[2], in.Viewport[3]);
+  if (in.First)
+  {
+    vtkChiTranslucentLayers* layers = in.Frame->GetTranslucent();
+    layers->Update(renderer, in.Camera, in.Viewport + 2, geometry->GetWindowDepth(),
+      geometry->GetView() ? geometry->GetView()->version : 0);
+    if (layers->GetDropped() > 0)
+    {
+      this->SayOnce("some pixels have more than four layers of translucent geometry: the four that "
+                    "are nearest to the eye are drawn (GetNumberOfDroppedLayers)");
+    }
+    if (layers->HasForeign())
+    {
+      this->SayOnce("translucent props whose mappers ignore render passes are drawn by VTK, "
+                    "before or after all of the volume");
+    }
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -333,7 +346,8 @@ bool vtkChiCombinedOcclusionVolumeMapper::RenderEngine()
   }
   const chi_surface_view* surface = in.Frame->GetGeometry()->GetView();
   in.HasSurface = surface != nullptr;
-  if (!in.HasVolume && !surface)
+  const chi_layers_view* layers = in.First ? in.Frame->GetTranslucent()->GetView() : nullptr;
+  if (!in.HasVolume && !surface && !layers)
   {
     in.Stats = {};
     return false; // nothing there, nothing wrong
@@ -344,6 +358,7 @@ bool vtkChiCombinedOcclusionVolumeMapper::RenderEngine()
   frame.volume = in.HasVolume ? in.Input.GetVolume() : nullptr;
   frame.transfer = in.HasVolume ? in.Input.GetTransfer() : nullptr;
   frame.surface = surface;
+  frame.layers = layers;
   frame.params = &in.Params;
   frame.clip_planes = in.Input.GetClipPlanes().data();
   frame.clip_plane_count = in.HasVolume ? in.Input.GetClipPlanes().size() / 4 : 0;
@@ -393,6 +408,7 @@ void vtkChiCombinedOcclusionVolumeMapper::Composite(vtkRenderer* renderer, vtkVo
   picture.Surface = geometry->GetView() ? geometry->GetColor() : nullptr;
   picture.Specular = merge && !in.Merged.empty() ? nullptr : geometry->GetSpecular();
   picture.First = in.First;
+  picture.Layered = in.Frame->GetTranslucent()->IsHiding();
   picture.Peeling = in.Peeling;
   if (!in.Compositor.Draw(renderer, picture))
   {
@@ -429,5 +445,6 @@ void vtkChiCombinedOcclusionVolumeMapper::ReleaseGraphicsResources(vtkWindow* wi
   if (in.Frame && window) // vtkRenderer::SetRenderWindow says null before the first frame
   {
     in.Frame->GetGeometry()->ReleaseGraphicsResources(window);
+    in.Frame->GetTranslucent()->ReleaseGraphicsResources(window);
   }
 }

@@ -24,15 +24,25 @@
  *
  * <b>What is not supported yet</b> is named in a warning, once for each cause, and the picture is
  * drawn without it: shading by gradients, gradient opacity, two-dimensional transfer functions,
- * several components (the first one is drawn), other blend modes, label maps, blanking, cubic interpolation, depth peeling for volumes (the volume is then drawn below
- * all translucent geometry), sheared projections.
+ * several components (the first one is drawn), other blend modes, label maps, blanking, cubic
+ * interpolation, sheared projections.
  *
  * <b>Opaque geometry.</b> The pixels of opaque geometry are rewritten once a frame, by the first of
  * these mappers: shaded colour times visibility, under the volume. Where rewriting would lose what
  * the frame already holds (a multisampled frame buffer, FXAA, shadows, screen-space occlusion,
- * a custom render pass, translucent geometry), and for further mappers, the pixels are darkened
+ * a custom render pass), and for further mappers, the pixels are darkened
  * by the visibility instead, which differs by the rounding of the frame buffer only. Highlights are
  * not darkened, but for those of physically based props.
+ *
+ * <b>Translucent geometry</b> of surfaces does not occlude, and receives light as opaque geometry
+ * does. Its four layers nearest to the eye are blended where they lie in the volume, behind it and
+ * in front of it, by depth peeling, whatever the renderer's settings of transparency; further ones
+ * are counted, and named once. For this the mapper hides such props from the renderer's own drawing
+ * (by a render pass in their property keys, between the renderer's start and end events). The frame
+ * in which a renderer meets its first mapper is drawn twice, because hiding then comes too late;
+ * where the renderer has a pass of its own or does not erase, that frame shows VTK's drawing below
+ * the volume. With several volumes, layers go with the first that is drawn. Translucent props
+ * whose mappers ignore render passes are left to VTK, and named once.
  *
  * <b>Several volumes</b> in a renderer do not shade each other; each shades, and is shaded by, the
  * geometry. Disjoint volumes are composited in the order of their depth at each pixel, whatever the
@@ -347,6 +357,11 @@ public:
   bool GetReusedLastFrame();
   bool GetReusedGeometry();
   ///@}
+
+  /**
+   * Layers of translucent geometry beyond the four that are drawn, at the pixel that has most.
+   */
+  int GetNumberOfDroppedLayers();
 
   /**
    * Instruction set that the CPU engine runs with: "avx512", "avx2" or "generic".

@@ -39,13 +39,13 @@ bool hasTranslucentGeometry(vtkRenderer* renderer)
 //------------------------------------------------------------------------------
 // Whether the bound frame buffer holds just what the private buffer holds where there is geometry.
 // In all other cases rewriting pixels would take away what others have drawn.
-bool mayRewriteSurface(vtkRenderer* renderer)
+bool mayRewriteSurface(vtkRenderer* renderer, bool hidden)
 {
   int samples = 0;
   glGetIntegerv(GL_SAMPLES, &samples);
   return samples <= 1 && !renderer->GetPass() && !renderer->GetUseFXAA() &&
     !renderer->GetUseShadows() && !renderer->GetUseSSAO() && !renderer->GetUseHiddenLineRemoval() &&
-    !hasTranslucentGeometry(renderer);
+    (hidden || !hasTranslucentGeometry(renderer));
 }
 
 //------------------------------------------------------------------------------
@@ -175,8 +175,8 @@ void vtkChiCompositor::DrawQuad(vtkRenderer* renderer, const Picture& picture)
   }
   program->SetUniformi("hasSpecular", textures[3] ? 1 : 0);
   program->SetUniformi("hasSurface", picture.Surface ? 1 : 0);
-  program->SetUniformi(
-    "rewriteSurface", picture.Surface && picture.First && mayRewriteSurface(renderer) ? 1 : 0);
+  program->SetUniformi("rewriteSurface",
+    picture.Surface && picture.First && mayRewriteSurface(renderer, picture.Layered) ? 1 : 0);
   this->Quad->Render();
   for (vtkTextureObject* texture : textures)
   {

@@ -27,6 +27,7 @@ public:
     vtkTextureObject* Specular = nullptr; // part of these that occlusion does not take; null: none
     bool Unchanged = false;               // the same floats as in the last call
     bool First = false;                   // nobody has shaded the geometry in this frame
+    bool Layered = false;                 // translucent geometry is in the picture, nowhere else
     bool Peeling = false;                 // a buffer of the depth peeling pass is bound
   };
 

@@ -7,6 +7,8 @@
 #endif
 #include "vtkChiGeometryBuffer.h"
 
+#include "vtkChiPassKeys.h"
+
 #include "vtkActor.h"
 #include "vtkActor2D.h"
 #include "vtkAlgorithm.h"
@@ -14,19 +16,15 @@
 #include "vtkAssemblyPath.h"
 #include "vtkCollection.h"
 #include "vtkDataObject.h"
-#include "vtkInformation.h"
-#include "vtkInformationObjectBaseVectorKey.h"
 #include "vtkLight.h"
 #include "vtkLightCollection.h"
 #include "vtkMapper.h"
 #include "vtkMatrix4x4.h"
-#include "vtkOpenGLRenderPass.h"
 #include "vtkOpenGLRenderWindow.h"
 #include "vtkOpenGLState.h"
 #include "vtkPropCollection.h"
 #include "vtkProperty.h"
 #include "vtkRenderState.h"
-#include "vtkSmartPointer.h"
 #include "vtkTexture.h"
 #include "vtkTimerLog.h"
 #include "vtkVolume.h"
@@ -48,40 +46,6 @@ std::uint64_t bits(const void* pointer)
 {
   return static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(pointer));
 }
-
-// Takes the keys of render passes that are under way (depth peeling, say) off a prop, because their
-// shaders write something else than colour, and puts them back.
-class PlainShaders
-{
-public:
-  explicit PlainShaders(vtkProp* prop)
-    : Keys(prop->GetPropertyKeys())
-  {
-    vtkInformationObjectBaseVectorKey* key = vtkOpenGLRenderPass::RenderPasses();
-    const int count = this->Keys && this->Keys->Has(key) ? this->Keys->Length(key) : 0;
-    for (int i = 0; i < count; ++i)
-    {
-      this->Passes.emplace_back(this->Keys->Get(key, i));
-    }
-    if (count > 0)
-    {
-      this->Keys->Remove(key);
-    }
-  }
-  ~PlainShaders()
-  {
-    for (const auto& pass : this->Passes)
-    {
-      this->Keys->Append(vtkOpenGLRenderPass::RenderPasses(), pass);
-    }
-  }
-  PlainShaders(const PlainShaders&) = delete;
-  void operator=(const PlainShaders&) = delete;
-
-private:
-  vtkSmartPointer<vtkInformation> Keys;
-  std::vector<vtkSmartPointer<vtkObjectBase>> Passes;
-};
 
 // When anything that a mapper draws was last modified. vtkActor looks at its first input only; a
 // glyph's shape comes in by the second.
@@ -173,7 +137,7 @@ void vtkChiGeometryBuffer::CollectProps(vtkRenderer* renderer)
 
 //------------------------------------------------------------------------------
 std::vector<std::uint64_t> vtkChiGeometryBuffer::MakeKey(
-  vtkRenderer* renderer, const vtkChiCameraView& camera) const
+  vtkRenderer* renderer, const vtkChiCameraView& camera, const std::vector<vtkProp*>& drawn)
 {
   std::vector<std::uint64_t> key;
   // values of matrices, not the camera's time stamp: some render passes swap the camera each frame
@@ -199,7 +163,7 @@ std::vector<std::uint64_t> vtkChiGeometryBuffer::MakeKey(
     key.push_back(bits(light));
     key.push_back(light->GetMTime());
   }
-  for (vtkProp* prop : this->Props)
+  for (vtkProp* prop : drawn)
   {
     appendProp(prop, key);
   }
@@ -222,7 +186,7 @@ bool vtkChiGeometryBuffer::Update(
     this->AnySpecular = false;
     return false;
   }
-  std::vector<std::uint64_t> key = this->MakeKey(renderer, camera);
+  std::vector<std::uint64_t> key = MakeKey(renderer, camera, this->Props);
   if (width == this->Width && height == this->Height && key == this->Key &&
     this->Color->GetHandle() != 0)
   {
@@ -305,7 +269,7 @@ void vtkChiGeometryBuffer::Draw(vtkRenderer* renderer, vtkOpenGLRenderWindow* wi
     {
       for (vtkProp* prop : this->Props)
       {
-        const PlainShaders plain(prop);
+        const vtkChiPlainShaders plain(prop);
         prop->RenderOpaqueGeometry(renderer);
       }
     },

@@ -31,6 +31,14 @@ public:
 
   // Null where there is no opaque geometry in view.
   const chi_surface_view* GetView() const { return this->AnySurface ? &this->View : nullptr; }
+  // Window depth, 0 to 1, Float32; null where there is no opaque geometry in view.
+  vtkTextureObject* GetWindowDepth()
+  {
+    return this->AnySurface ? this->WindowDepth.Get() : nullptr;
+  }
+  // Everything that the picture of these props depends on, but for its size.
+  static std::vector<std::uint64_t> MakeKey(
+    vtkRenderer* renderer, const vtkChiCameraView& camera, const std::vector<vtkProp*>& drawn);
   vtkTextureObject* GetColor() { return this->Color; }
   // Colours, [height x width x 4] floats, alpha 0 where there is no geometry, are those of the last
   // drawing. Normals are drawn when they are asked for, because no engine needs
@@ -52,7 +60,6 @@ public:
 
 private:
   void CollectProps(vtkRenderer* renderer);
-  std::vector<std::uint64_t> MakeKey(vtkRenderer* renderer, const vtkChiCameraView& camera) const;
   void DrawInto(vtkOpenGLRenderWindow* window, vtkTextureObject* color,
     const std::function<void()>& draw, const std::function<void()>& read);
   void Draw(vtkRenderer* renderer, vtkOpenGLRenderWindow* window);

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkChiOcclusionFrame.h"
 
+#include "vtkAbstractVolumeMapper.h"
+#include "vtkCamera.h"
 #include "vtkCommand.h"
 #include "vtkInformation.h"
 #include "vtkInformationObjectBaseKey.h"
@@ -11,6 +13,7 @@
 #include "vtkRenderer.h"
 #include "vtkSMPTools.h"
 #include "vtkVolume.h"
+#include "vtkVolumeCollection.h"
 
 #include <algorithm>
 #include <cmath>
@@ -42,11 +45,94 @@ vtkChiOcclusionFrame* vtkChiOcclusionFrame::Get(vtkRenderer* renderer)
   {
     vtkNew<vtkChiOcclusionFrame> made;
     information->Set(FRAME(), made);
+    made->Scene = renderer;
     renderer->AddObserver(
       vtkCommand::StartEvent, made.GetPointer(), &vtkChiOcclusionFrame::BeginFrame);
+    renderer->AddObserver(vtkCommand::EndEvent, made.GetPointer(), &vtkChiOcclusionFrame::EndFrame);
     frame = made;
   }
   return frame;
+}
+
+//------------------------------------------------------------------------------
+// Whether one of these mappers will be asked to draw: VTK leaves out volumes that are not in view,
+// by this test (vtkFrustumCoverageCuller).
+bool vtkChiOcclusionFrame::WillDraw() const
+{
+  double planes[24];
+  this->Scene->GetActiveCamera()->GetFrustumPlanes(this->Scene->GetTiledAspectRatio(), planes);
+  vtkCollectionSimpleIterator cookie;
+  vtkVolumeCollection* volumes = this->Scene->GetVolumes();
+  volumes->InitTraversal(cookie);
+  while (vtkVolume* volume = volumes->GetNextVolume(cookie))
+  {
+    // ParaView's volumes have theirs inside: taken to be one of these where one drew last
+    vtkAbstractVolumeMapper* mapper = volume->GetMapper();
+    const bool draws =
+      mapper ? mapper->IsA("vtkChiCombinedOcclusionVolumeMapper") != 0 : this->DrewLast;
+    const double* bounds = draws && volume->GetVisibility() ? volume->GetBounds() : nullptr;
+    if (!bounds)
+    {
+      continue;
+    }
+    double center[3];
+    double square = 0.0;
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      center[axis] = 0.5 * (bounds[2 * axis] + bounds[2 * axis + 1]);
+      square += std::pow(0.5 * (bounds[2 * axis + 1] - bounds[2 * axis]), 2);
+    }
+    bool inside = true;
+    for (int i = 0; i < 6; ++i)
+    {
+      const double* plane = planes + 4 * i;
+      inside = inside &&
+        plane[0] * center[0] + plane[1] * center[1] + plane[2] * center[2] + plane[3] >
+          -std::sqrt(square);
+    }
+    if (inside)
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
+//------------------------------------------------------------------------------
+void vtkChiOcclusionFrame::BeginFrame()
+{
+  this->Layers.clear();
+  this->Translucent.Show();
+  if (this->Scene && !this->Scene->GetSelector() && !this->Missed && this->WillDraw())
+  {
+    this->Translucent.Hide(this->Scene);
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkChiOcclusionFrame::EndFrame()
+{
+  const bool hidden = this->Translucent.IsHiding();
+  this->Translucent.Show();
+  if (!this->Scene || this->Scene->GetSelector())
+  {
+    return;
+  }
+  const bool drawn = !this->Layers.empty();
+  // drawn too early, or not at all: the props were to be hidden, or were not
+  const bool wrong = drawn ? !hidden && this->Translucent.Exist(this->Scene) : hidden;
+  this->Missed = hidden && !drawn;
+  this->DrewLast = drawn;
+  // what lies below cannot be brought back where the renderer does not erase; render passes of
+  // others (ParaView's, say, across processes) are not to be surprised
+  const bool may = !this->Again && !this->Scene->GetPass() && !this->Scene->Transparent() &&
+    !this->Scene->GetPreserveDepthBuffer();
+  if (wrong && may)
+  {
+    this->Again = true;
+    this->Scene->Render();
+    this->Again = false;
+  }
 }
 
 //------------------------------------------------------------------------------

@@ -4,10 +4,12 @@
 #define vtkChiOcclusionFrame_h
 
 #include "vtkChiGeometryBuffer.h"
+#include "vtkChiTranslucentLayers.h"
 
 #include <chiaroscuro/chi_occlusion.h>
 
 #include "vtkObject.h"
+#include "vtkWeakPointer.h"
 
 #include <cstddef>
 #include <vector>
@@ -36,7 +38,15 @@ public:
   bool HasDrawn(vtkVolume* volume) const;
   bool IsFirst() const { return this->Layers.empty(); }
   // A volume is drawn twice in a frame only where someone renders without the renderer's event.
-  void BeginFrame() { this->Layers.clear(); }
+  void Forget() { this->Layers.clear(); }
+  // Observers of the renderer.
+  void BeginFrame();
+  void EndFrame();
+
+  // The translucent geometry, hidden while a frame of the renderer is drawn. It cannot be hidden in
+  // the frame in which the first mapper comes to be known, nor need it be where no mapper draws;
+  // then the frame is drawn once more.
+  vtkChiTranslucentLayers* GetTranslucent() { return &this->Translucent; }
 
   // Keep a picture for those that are still to come. `keep` is false where nobody will ask for it:
   // then only the fact is kept. A null volume stands for geometry alone.
@@ -72,7 +82,14 @@ private:
 
   void MergeRow(int row, std::vector<float>& rgba, const std::vector<float>& specular) const;
 
+  bool WillDraw() const;
+
+  vtkWeakPointer<vtkRenderer> Scene;
   vtkChiGeometryBuffer Geometry;
+  vtkChiTranslucentLayers Translucent;
+  bool Missed = false;   // props were hidden, and no mapper drew
+  bool DrewLast = false; // a mapper drew in the last frame
+  bool Again = false;    // this frame is drawn for the second time
   std::vector<Layer> Layers;
 };
 
