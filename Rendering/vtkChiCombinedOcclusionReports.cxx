@@ -167,6 +167,21 @@ vtkIdType vtkChiCombinedOcclusionVolumeMapper::GetNumberOfNonFiniteSamples()
 {
   return static_cast<vtkIdType>(this->Internal->Stats.non_finite_samples);
 }
+vtkIdType vtkChiCombinedOcclusionVolumeMapper::GetNumberOfSkipped(int kind)
+{
+  for (int k = 1; k < CHI_SKIP_KINDS; ++k)
+  {
+    if (kind == 1 << k)
+    {
+      return static_cast<vtkIdType>(this->Internal->Stats.skipped[k]);
+    }
+  }
+  return 0;
+}
+vtkIdType vtkChiCombinedOcclusionVolumeMapper::GetLightBufferBytes()
+{
+  return static_cast<vtkIdType>(this->Internal->Stats.light_bytes);
+}
 double vtkChiCombinedOcclusionVolumeMapper::GetSecondsCollect()
 {
   return this->Internal->SecondsCollect;
@@ -223,6 +238,14 @@ int vtkChiCombinedOcclusionVolumeMapper::GetNumberOfDroppedLayers()
   vtkChiOcclusionFrame* frame = this->Internal->Frame;
   return frame ? frame->GetTranslucent()->GetDropped() : 0;
 }
+bool vtkChiCombinedOcclusionVolumeMapper::GetReusedBricks()
+{
+  return this->Internal->Stats.reused_bricks != 0;
+}
+bool vtkChiCombinedOcclusionVolumeMapper::GetReusedClassification()
+{
+  return this->Internal->Stats.reused_classification != 0;
+}
 const char* vtkChiCombinedOcclusionVolumeMapper::GetInstructionSet()
 {
   return chi_occlusion_instruction_set();
@@ -256,4 +279,5 @@ void vtkChiCombinedOcclusionVolumeMapper::PrintSelf(ostream& os, vtkIndent inden
   os << indent << "GeometryToVolume: " << this->GeometryToVolume << "\n";
   os << indent << "GeometryToGeometry: " << this->GeometryToGeometry << "\n";
   os << indent << "Skipping: " << this->Skipping << "\n";
+  os << indent << "SkippingMask: " << this->SkippingMask << "\n";
 }

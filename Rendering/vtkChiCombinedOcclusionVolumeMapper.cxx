@@ -295,7 +295,7 @@ void vtkChiCombinedOcclusionVolumeMapper::CollectParameters()
   params.geometry_thickness = this->GeometryThickness >= VTK_DOUBLE_MAX
     ? std::numeric_limits<double>::infinity()
     : this->GeometryThickness;
-  params.skip = this->Skipping ? 1 : 0;
+  params.skip = this->Skipping ? this->SkippingMask : CHI_SKIP_NOTHING;
   params.geometry_opacity = this->GeometryOpacity;
   params.combine = this->CombineMode == COMBINE_MINIMUM ? CHI_COMBINE_MINIMUM : CHI_COMBINE_PRODUCT;
   params.vicinity_samples = this->VicinityOcclusion ? this->NumberOfVicinitySamples : 0;
@@ -311,6 +311,10 @@ void vtkChiCombinedOcclusionVolumeMapper::Surface(vtkRenderer* renderer)
 {
   Internals& in = *this->Internal;
   vtkChiGeometryBuffer* geometry = in.Frame->GetGeometry();
+  if (!(in.Params.skip & CHI_SKIP_UNCHANGED) && in.First)
+  {
+    geometry->Forget();
+  }
   geometry->Update(renderer, in.Camera, in.Viewport[2], in.Viewport[3]);
   if (in.First)
   {

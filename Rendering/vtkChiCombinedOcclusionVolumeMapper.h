@@ -89,6 +89,19 @@ public:
     COMBINE_PRODUCT = 0,
     COMBINE_MINIMUM = 1
   };
+  // The flags of chi_occlusion.h.
+  enum SkippingKinds
+  {
+    SKIP_EMPTY_BRICKS = 2,      // samples in bricks that the transfer function makes transparent
+    SKIP_SATURATED_RAYS = 4,    // samples of rays that are opaque but for half a step of 255
+    SKIP_BEHIND_GEOMETRY = 8,   // samples behind opaque geometry
+    SKIP_CLIPPED = 16,          // what lies outside of clipping planes and cropping box as a whole
+    SKIP_FOOTPRINT = 32,        // tiles outside of the volume's footprint
+    SKIP_SATURATED_LIGHT = 64,  // light that is uniform over a tile
+    SKIP_UNREACHED_LIGHT = 128, // light that nothing visible receives any more
+    SKIP_UNCHANGED = 256,       // stages whose sources have not changed since the frame before
+    SKIP_EVERY_KIND = 510
+  };
   enum Engines
   {
     ENGINE_AUTO = 0,
@@ -290,6 +303,22 @@ public:
   vtkBooleanMacro(Skipping, bool);
   ///@}
 
+  ///@{
+  /**
+   * The kinds of work that Skipping leaves out, a sum of SKIP_...: to turn single ones off. Default
+   * SKIP_EVERY_KIND.
+   */
+  vtkSetClampMacro(SkippingMask, int, 0, SKIP_EVERY_KIND);
+  vtkGetMacro(SkippingMask, int);
+  ///@}
+
+  /**
+   * What one kind (SKIP_...) left out of the last frame: samples; updates of light for the two of
+   * light; stages for SKIP_UNCHANGED (bricks, classification, picture; 0 to 3). 0 for anything
+   * else.
+   */
+  vtkIdType GetNumberOfSkipped(int kind);
+
   /**
    * Copy the last frame of this mapper into `image`: point scalars "RGBA", four floats a pixel,
    * premultiplied colour and alpha, of the volume over the shaded opaque geometry, without
@@ -329,6 +358,11 @@ public:
   vtkIdType GetNumberOfNonFiniteSamples();
   ///@}
 
+  /**
+   * Bytes of light buffers that the last frame used: 0 where there is no occlusion.
+   */
+  vtkIdType GetLightBufferBytes();
+
   ///@{
   /**
    * Wall-clock seconds of the last frame, stage by stage: looking at inputs and transfer functions;
@@ -356,6 +390,15 @@ public:
    */
   bool GetReusedLastFrame();
   bool GetReusedGeometry();
+  ///@}
+
+  ///@{
+  /**
+   * Whether the frame kept the min-max bricks of the samples, which the data alone change; and
+   * their classification, which the opacity function changes as well.
+   */
+  bool GetReusedBricks();
+  bool GetReusedClassification();
   ///@}
 
   /**
@@ -399,6 +442,7 @@ protected:
   bool GeometryToVolume = true;
   bool GeometryToGeometry = true;
   bool Skipping = true;
+  int SkippingMask = SKIP_EVERY_KIND;
 
 private:
   vtkChiCombinedOcclusionVolumeMapper(const vtkChiCombinedOcclusionVolumeMapper&) = delete;

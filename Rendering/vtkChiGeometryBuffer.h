@@ -54,6 +54,8 @@ public:
   int GetWidth() const { return this->Width; }
   int GetHeight() const { return this->Height; }
   bool GetReused() const { return this->Reused; }
+  // Draw anew in the next frame, changed or not.
+  void Forget() { this->Key.clear(); }
   double GetSecondsDraw() const { return this->SecondsDraw; }
   double GetSecondsReadBack() const { return this->SecondsReadBack; }
   void ReleaseGraphicsResources(vtkWindow* window);

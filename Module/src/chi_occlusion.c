@@ -189,7 +189,8 @@ static int params_are_valid(const chi_occlusion_params* p)
     (p->combine == CHI_COMBINE_PRODUCT || p->combine == CHI_COMBINE_MINIMUM) &&
     p->geometry_opacity >= 0 && p->geometry_opacity <= 1 && p->vicinity_samples >= 0 &&
     p->vicinity_samples <= CHI_MAX_VICINITY_SAMPLES && p->vicinity_distance >= 0 &&
-    isfinite(p->vicinity_distance) && p->vicinity_bias >= 0 && isfinite(p->vicinity_bias);
+    isfinite(p->vicinity_distance) && p->vicinity_bias >= 0 && isfinite(p->vicinity_bias) &&
+    p->skip >= 0;
 }
 
 static chi_status check_frame(const chi_occlusion_frame* frame)
@@ -334,7 +335,9 @@ static chi_status prepare_volume(
   const double t0 = chi_seconds();
   const volume_key volume = key_of_volume(frame->volume);
   chi_status status = CHI_OK;
-  o->stats.reused_bricks = o->has_bricks && memcmp(&volume, &o->volume, sizeof volume) == 0;
+  const int reuse = chi_skip_kinds(frame->params) & CHI_SKIP_UNCHANGED;
+  o->stats.reused_bricks =
+    reuse && o->has_bricks && memcmp(&volume, &o->volume, sizeof volume) == 0;
   if (!o->stats.reused_bricks)
   {
     o->has_bricks = o->has_classification = o->has_frame = o->has_plan = 0;
@@ -346,7 +349,7 @@ static chi_status prepare_volume(
   const double t1 = chi_seconds();
   o->stats.seconds_bricks = t1 - t0;
   const transfer_key transfer = key_of_transfer(frame->transfer, dilation(scene));
-  o->stats.reused_classification = status == CHI_OK && o->has_classification &&
+  o->stats.reused_classification = reuse && status == CHI_OK && o->has_classification &&
     memcmp(&transfer, &o->transfer, sizeof transfer) == 0;
   if (status == CHI_OK && !o->stats.reused_classification)
   {
@@ -392,10 +395,14 @@ chi_status chi_occlusion_render(
     status = prepare_volume(exec, o, frame, &scene);
   }
   const frame_key key = key_of_frame(frame);
+  const int64_t reused = o->stats.reused_bricks + o->stats.reused_classification;
+  o->stats.skipped[SKIPPED_UNCHANGED] = reused;
   if (status == CHI_OK && o->has_frame && !frame->probes &&
+    (chi_skip_kinds(frame->params) & CHI_SKIP_UNCHANGED) &&
     memcmp(&key, &o->frame, sizeof key) == 0)
   {
     o->stats.reused = 1;
+    o->stats.skipped[SKIPPED_UNCHANGED] = reused + 1;
     o->stats.seconds_total = chi_seconds() - t0;
     return CHI_OK;
   }
@@ -428,6 +435,9 @@ chi_status chi_occlusion_render(
   o->stats.skipped_samples = result.skipped_samples;
   o->stats.light_updates = result.light_updates;
   o->stats.skipped_light_updates = result.skipped_light_updates;
+  o->stats.light_bytes = result.light_bytes;
+  memcpy(o->stats.skipped, result.skipped, sizeof o->stats.skipped);
+  o->stats.skipped[SKIPPED_UNCHANGED] = reused;
   o->stats.seconds_visible_set = result.seconds_visible_set;
   o->stats.seconds_slices = result.seconds_slices;
   o->stats.seconds_samples = result.seconds_samples;

@@ -237,7 +237,7 @@ static int cell_is_visible(const describe_job* it, double first, double last, in
     }
   }
   int64_t all;
-  return !it->frame->params->skip ||
+  return !(chi_skip_kinds(it->frame->params) & CHI_SKIP_BRICKS) ||
     chi_classification_count(it->classification, it->bricks, low, high, &all) > 0;
 }
 
@@ -482,8 +482,9 @@ chi_status chi_plan_fill(const chi_exec* exec, chi_plan_keep* keep, const chi_sc
   describe_scene(plan, scene);
   describe_vicinity(plan, scene, frame->params);
   plan->strength = frame->params->strength;
-  plan->saturated = frame->params->skip ? (double)CHI_SATURATED : 0;
-  plan->use_bricks = frame->params->skip != 0;
+  const int skip = chi_skip_kinds(frame->params);
+  plan->saturated = skip & CHI_SKIP_SATURATED_RAYS ? (double)CHI_SATURATED : 0;
+  plan->use_bricks = (skip & CHI_SKIP_BRICKS) != 0;
   plan->samples = samples;
   plan->blockers = blockers;
   plan->light = light;
@@ -519,7 +520,8 @@ chi_status chi_plan_fill(const chi_exec* exec, chi_plan_keep* keep, const chi_sc
   {
     status = describe_surfaces(&job, plan, blockers, receivers, carried);
   }
-  bound_light(plan, light, !frame->params->skip);
+  const int light_kinds = CHI_SKIP_SATURATED_LIGHT | CHI_SKIP_UNREACHED_LIGHT;
+  bound_light(plan, light, (skip & light_kinds) != light_kinds);
   return status;
 }
 

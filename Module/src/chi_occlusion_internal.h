@@ -97,6 +97,7 @@ typedef struct chi_scene
   double voxel;              /* depth over which the index position moves by one */
   int64_t group, slabs;
   int64_t volume_begin, volume_end; /* slabs with samples */
+  int64_t clipped_slabs;            /* that the clip planes spare */
   double bias;                      /* in slabs */
   int lights;                       /* 1 or 2 */
   chi_light light[2];
@@ -195,9 +196,29 @@ typedef struct chi_light_field
   chi_buffer dirty;      /* uint8 [2 + ring][rows][segments]: differs from 1 */
 } chi_light_field;
 
+/* The kinds of skipping that are on, as one bit each. */
+static inline int chi_skip_kinds(const chi_occlusion_params* params)
+{
+  return params->skip & CHI_SKIP_ALL ? CHI_SKIP_EVERY_KIND : params->skip;
+}
+
+/* Index of a kind in chi_occlusion_stats.skipped. */
+enum
+{
+  SKIPPED_BRICKS = 1,
+  SKIPPED_SATURATED_RAYS,
+  SKIPPED_BEHIND_GEOMETRY,
+  SKIPPED_CLIPPED,
+  SKIPPED_FOOTPRINT,
+  SKIPPED_SATURATED_LIGHT,
+  SKIPPED_UNREACHED_LIGHT,
+  SKIPPED_UNCHANGED
+};
+
 typedef struct chi_march_result
 {
   int64_t samples, skipped_samples, light_updates, skipped_light_updates;
+  int64_t skipped[CHI_SKIP_KINDS], light_bytes;
   double seconds_visible_set, seconds_slices, seconds_samples, seconds_light;
 } chi_march_result;
 

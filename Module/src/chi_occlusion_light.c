@@ -42,15 +42,16 @@ static void light_piece(march* m, chi_light_field* f, float factor, int64_t slab
   float* const geometry = light_scratch(m, GEOMETRY, y) + x;
   if (!needed)
   {
-    counts->skipped += cost;
+    counts->unreached += cost;
     *target_dirty = *seen_dirty = 1; /* unknown, and nobody asks */
     return;
   }
   const int has_tau = f->volume && factor > 0 && m->tau_flag[y * m->segments + k];
   const int blocked = f->geometry && chi_march_block_light(m, slab, y, k, geometry);
-  if (!m->keep_all && !has_tau && !blocked && !source_is_dirty(m, f, read, y, k))
+  if ((m->skip & CHI_SKIP_SATURATED_LIGHT) && !has_tau && !blocked &&
+    !source_is_dirty(m, f, read, y, k))
   {
-    counts->skipped += cost;
+    counts->uniform += cost;
     for (int d = 0; d < planes && *target_dirty; ++d)
     {
       chi_fill_ones(target + (size_t)d * m->light_stride, CHI_SEGMENT);

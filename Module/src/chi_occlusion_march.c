@@ -46,18 +46,16 @@ double chi_seconds(void)
 static void find_need(march* m, int64_t block, int band, uint8_t* need)
 {
   const int64_t slab = block * m->block;
+  const int all = !(m->skip & CHI_SKIP_UNREACHED_LIGHT) || m->frame->probes;
   int64_t rows[2];
   chi_march_band_rows(m, band, rows);
-  for (int k = 0; k < m->segments; ++k)
-  {
-    need[k] = (uint8_t)(m->keep_all || m->frame->probes != NULL);
-  }
+  memset(need, all, (size_t)m->segments);
   if (!m->fields)
   {
     memset(need, 0, (size_t)m->segments);
     return;
   }
-  for (int other = 0; other < m->bands && !m->keep_all && !m->frame->probes; ++other)
+  for (int other = 0; other < m->bands && !all; ++other)
   {
     const int64_t behind = other > band ? (other - band + m->lag - 1) / m->lag : 0;
     const int64_t known = block - 1 - behind;
@@ -102,18 +100,25 @@ static void update_live(march* m, int64_t block, int band, int64_t slab, int64_t
   {
     uint8_t* const row = m->live_row + y * m->cells_x;
     const float* const transmittance = picture(m, TRANSMITTANCE, y);
-    const float* const surface = m->frame->surface ? picture(m, SURFACE, y) : NULL;
+    const float* const surface =
+      m->frame->surface && (m->skip & CHI_SKIP_BEHIND_GEOMETRY) ? picture(m, SURFACE, y) : NULL;
     for (int cx = 0; cx < m->cells_x; ++cx)
     {
       const int x0 = cx * CHI_CELL_WIDTH;
       const int x1 = x0 + CHI_CELL_WIDTH < s->width ? x0 + CHI_CELL_WIDTH : s->width;
-      int any = m->keep_all;
-      for (int x = x0; x < x1 && row[cx]; ++x)
+      int any = 0, hidden = 0;
+      for (int x = x0; x < x1 && row[cx] == RAYS_LIVE; ++x)
       {
-        any |= transmittance[x] > m->sample.saturated && (!surface || surface[x] > now);
+        const int clear = transmittance[x] > m->sample.saturated;
+        const int front = !surface || surface[x] > now;
+        any |= clear && front;
+        hidden |= clear && !front;
       }
-      row[cx] = (uint8_t)any;
-      live[x0 / s->scale / CHI_SEGMENT] |= (uint8_t)any;
+      if (row[cx] == RAYS_LIVE)
+      {
+        row[cx] = any ? RAYS_LIVE : hidden ? RAYS_BEHIND_GEOMETRY : RAYS_SATURATED;
+      }
+      live[x0 / s->scale / CHI_SEGMENT] |= row[cx] == RAYS_LIVE;
     }
   }
 }
@@ -123,7 +128,7 @@ static void run_task(march* m, int64_t block, int band)
   const chi_scene* const s = m->scene;
   uint8_t* const need = m->need + (int64_t)band * m->segments;
   chi_sample_row row = { .frame = &m->sample };
-  light_counts counts = { 0, 0 };
+  light_counts counts = { 0, 0, 0 };
   double seconds[2] = { 0, 0 };
   find_need(m, block, band, need);
   int64_t slab = block * m->block, row0 = 0, row1 = 0;
@@ -170,9 +175,12 @@ static void run_task(march* m, int64_t block, int band)
     update_live(m, block, band, slab - 1, row0, row1);
   }
   atomic_fetch_add(&m->samples, row.taken);
-  atomic_fetch_add(&m->skipped_samples, row.skipped);
   atomic_fetch_add(&m->light_updates, counts.updates);
-  atomic_fetch_add(&m->skipped_light, counts.skipped);
+  atomic_fetch_add(&m->skipped[SKIPPED_BRICKS], row.spared[CHI_SPARED_EMPTY]);
+  atomic_fetch_add(&m->skipped[SKIPPED_SATURATED_RAYS], row.spared[CHI_SPARED_SATURATED]);
+  atomic_fetch_add(&m->skipped[SKIPPED_BEHIND_GEOMETRY], row.spared[CHI_SPARED_HIDDEN]);
+  atomic_fetch_add(&m->skipped[SKIPPED_SATURATED_LIGHT], counts.uniform);
+  atomic_fetch_add(&m->skipped[SKIPPED_UNREACHED_LIGHT], counts.unreached);
   atomic_fetch_add(&m->nanoseconds[0], (long long)(1e9 * seconds[0]));
   atomic_fetch_add(&m->nanoseconds[1], (long long)(1e9 * seconds[1]));
 }
@@ -292,7 +300,7 @@ chi_status chi_march_run(const chi_exec* exec, chi_march* keep, const chi_scene*
     .bricks = bricks,
     .classification = classification,
     .layers = frame->layers ? frame->layers->count : 0,
-    .keep_all = !frame->params->skip,
+    .skip = chi_skip_kinds(frame->params),
     .strength = (float)frame->params->strength,
     .shaded = frame->params->strength > 0 };
   const double t0 = chi_seconds();
@@ -365,9 +373,18 @@ chi_status chi_march_run(const chi_exec* exec, chi_march* keep, const chi_scene*
   }
   result->seconds_slices = chi_seconds() - t1;
   result->samples = m.samples;
-  result->skipped_samples = m.skipped_samples + m.empty_samples;
+  for (int k = 0; k < CHI_SKIP_KINDS; ++k)
+  {
+    result->skipped[k] = m.skipped[k];
+  }
+  result->skipped[SKIPPED_CLIPPED] +=
+    scene->clipped_slabs * scene->group * scene->width * scene->height;
+  result->skipped_samples = result->skipped[SKIPPED_BRICKS] +
+    result->skipped[SKIPPED_SATURATED_RAYS] + result->skipped[SKIPPED_BEHIND_GEOMETRY];
   result->light_updates = m.light_updates;
-  result->skipped_light_updates = m.skipped_light;
+  result->skipped_light_updates =
+    result->skipped[SKIPPED_SATURATED_LIGHT] + result->skipped[SKIPPED_UNREACHED_LIGHT];
+  result->light_bytes = (int64_t)m.light_bytes;
   result->seconds_samples = 1e-9 * (double)m.nanoseconds[0];
   result->seconds_light = 1e-9 * (double)m.nanoseconds[1];
   return status;

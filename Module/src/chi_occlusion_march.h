@@ -59,6 +59,14 @@ enum
   CELL_CUT = 8 /* regions are cropped */
 };
 
+/* What the rays of a cell's row are up to. */
+enum
+{
+  RAYS_SATURATED = 0,
+  RAYS_LIVE = 1,
+  RAYS_BEHIND_GEOMETRY = 2 /* some of them; none is live */
+};
+
 /* The shift of one slab, for all directions. */
 typedef struct light_step
 {
@@ -94,7 +102,7 @@ typedef struct march
   uint8_t* cells;          /* [blocks][cells_y][cells_x] */
   int64_t (*last_slab)[2]; /* [bands][segments]: of samples, of surfaces that are yet to be lit */
   uint8_t* live;           /* [blocks][bands][segments] */
-  uint8_t* live_row;       /* [rows][cells_x] */
+  uint8_t* live_row;       /* [rows][cells_x] RAYS_... */
   int64_t* sampled;        /* [rows][cells_x] segment sampled last */
   uint8_t* tau_flag;       /* [light rows][segments] */
   uint8_t* tau_stale;      /* [2][rows] the row holds the thickness of an earlier slab */
@@ -111,12 +119,14 @@ typedef struct march
   uint8_t* layer_first; /* [rows][stride] layers of a pixel that are blended */
   int fields;
   int surface_field;
-  int keep_all, shaded;
+  int skip; /* CHI_SKIP_... kinds that are on */
+  int shaded;
   float strength;
   atomic_size_t ticket;
   atomic_int cancelled;
-  atomic_llong samples, skipped_samples, light_updates, skipped_light, nanoseconds[2];
-  atomic_llong empty_samples;
+  atomic_llong samples, light_updates, nanoseconds[2];
+  atomic_llong skipped[CHI_SKIP_KINDS];
+  size_t light_bytes;
 } march;
 
 static inline float* picture(const march* m, int which, int64_t y)
@@ -237,7 +247,7 @@ void chi_march_sample_row(
 /* chi_occlusion_light.c */
 typedef struct light_counts
 {
-  int64_t updates, skipped;
+  int64_t updates, uniform, unreached;
 } light_counts;
 void chi_march_light_band(
   march* m, int64_t slab, const int64_t rows[2], const uint8_t* need, light_counts* counts);

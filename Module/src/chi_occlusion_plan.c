@@ -124,6 +124,7 @@ static chi_status clear_field(march* m, chi_light_field* f, size_t light_floats)
     {
       return CHI_ERROR_OUT_OF_MEMORY;
     }
+    m->light_bytes += count * sizeof(float);
     const chi_status status = chi_for(m->exec, count / 4096, fill_field, buffer[k]->data);
     if (status != CHI_OK)
     {
@@ -227,7 +228,7 @@ static chi_status reserve(march* m)
   m->ranges = (float*)keep->ranges.data;
   m->tint = (float*)keep->tint.data;
   memset(keep->done.data, 0, blocks * bands);
-  memset(m->live_row, 1, m->rows * cells);
+  memset(m->live_row, RAYS_LIVE, m->rows * cells);
   memset(m->tau_stale, 0, 2 * m->rows);
   for (size_t i = 0; i < m->rows * cells; ++i)
   {
@@ -258,7 +259,7 @@ static void clear_rows(void* data, size_t begin, size_t end)
 static void set_sample_frame(march* m)
 {
   chi_sample_frame* const f = &m->sample;
-  f->saturated = m->keep_all ? 0 : CHI_SATURATED;
+  f->saturated = m->skip & CHI_SKIP_SATURATED_RAYS ? CHI_SATURATED : -1;
   if (!m->frame->volume)
   {
     return;

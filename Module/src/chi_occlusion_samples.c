@@ -118,11 +118,12 @@ void chi_march_sample_row(
     for (int cx = 0; cx < m->cells_x;)
     {
       const int light = need[cx * CHI_CELL_WIDTH / s->scale / CHI_SEGMENT];
-      if (cells[cx] == CELL_EMPTY || !(light || live[cx]))
+      if (cells[cx] == CELL_EMPTY || !(light || live[cx] == RAYS_LIVE))
       {
         if (cells[cx] != CELL_EMPTY)
         {
-          row->skipped += CHI_CELL_WIDTH;
+          row->spared[live[cx] == RAYS_SATURATED ? CHI_SPARED_SATURATED : CHI_SPARED_HIDDEN] +=
+            CHI_CELL_WIDTH;
         }
         ++cx;
         continue;
@@ -146,10 +147,11 @@ void chi_march_sample_row(
       row->leave = picture(m, LEAVE, y);
       row->surface = m->frame->surface ? picture(m, SURFACE, y) : NULL;
       row->saturated_too = light;
+      row->hidden_too = light || !(m->skip & CHI_SKIP_BEHIND_GEOMETRY);
       /* A steep step may begin at the near slice: read from the middle, the bias would shrink by
        * half a slice there and leave a saw-tooth of light. */
       const float* visibility[3] = { NULL, NULL, NULL };
-      for (int c = 0; c < s->channels && live[cx]; ++c)
+      for (int c = 0; c < s->channels && live[cx] == RAYS_LIVE; ++c)
       {
         visibility[c] = run_visibility(m, c, slab, (double)segment, y, x0, x1);
       }

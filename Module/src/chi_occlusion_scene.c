@@ -131,7 +131,7 @@ chi_status chi_scene_build(
   chi_scene_place_lights(scene, params);
 
   double eye_to_index[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
-  double near = INFINITY, far = -INFINITY;
+  double near = INFINITY, far = -INFINITY, box[2] = { INFINITY, -INFINITY };
   if (frame->volume)
   {
     double index_to_eye[16];
@@ -160,6 +160,8 @@ chi_status chi_scene_build(
     {
       return CHI_ERROR_INVALID_ARGUMENT;
     }
+    box[0] = near;
+    box[1] = far;
     double range[2] = { near, far };
     for (int k = 0; k < scene->clips; ++k)
     {
@@ -200,6 +202,22 @@ chi_status chi_scene_build(
   if (!has_samples)
   {
     near = far = surface_near;
+  }
+  else
+  {
+    /* Whole slabs that the planes spare: where slices lie does not depend on whether they are. */
+    const double low = fmax(box[0], nearest);
+    const double before = floor(fmin(fmax(near - low, 0) / scene->slab, 0x1p24));
+    const double behind = floor(fmin(fmax(box[1] - far, 0) / scene->slab, 0x1p24));
+    if (chi_skip_kinds(params) & CHI_SKIP_CLIPPED)
+    {
+      scene->clipped_slabs = (int64_t)(before + behind);
+    }
+    else
+    {
+      near -= before * scene->slab;
+      far += behind * scene->slab;
+    }
   }
   if (!(near < INFINITY)) /* neither a sample nor a surface in view */
   {

@@ -76,6 +76,32 @@ static int64_t count_inside(const march* m, int cx, int cy, double first, double
   return count;
 }
 
+/* All samples of a cell's lattice, for the counter alone. */
+static int64_t count_lattice(const march* m, int cx, int cy, int64_t block)
+{
+  const chi_scene* const s = m->scene;
+  const int64_t begin = block * m->block > s->volume_begin ? block * m->block : s->volume_begin;
+  const int64_t end =
+    (block + 1) * m->block < s->volume_end ? (block + 1) * m->block : s->volume_end;
+  const int width = s->width - cx * CHI_CELL_WIDTH, height = s->height - cy * CHI_CELL_HEIGHT;
+  return end <= begin || height <= 0
+    ? 0
+    : (end - begin) * s->group * (width < CHI_CELL_WIDTH ? width : CHI_CELL_WIDTH) *
+      (height < CHI_CELL_HEIGHT ? height : CHI_CELL_HEIGHT);
+}
+
+/* Leave out a cell that has nothing of the volume in it, or have its rays find out. */
+static uint8_t spare_cell(march* m, int64_t block, int cx, int cy, int flag, int kind)
+{
+  if (!(m->skip & flag))
+  {
+    return CELL_OCCUPIED | CELL_CROSSES_BOX |
+      (m->scene->regions == CHI_CROP_ALL_REGIONS ? 0 : CELL_CUT);
+  }
+  atomic_fetch_add(&m->skipped[kind], count_lattice(m, cx, cy, block));
+  return CELL_EMPTY;
+}
+
 static uint8_t classify_cell(march* m, int64_t block, int cx, int cy)
 {
   const chi_scene* const s = m->scene;
@@ -99,7 +125,7 @@ static uint8_t classify_cell(march* m, int64_t block, int cx, int cy)
     }
     if (!(high[a] >= s->box_low[a] && low[a] <= s->box_high[a]))
     {
-      return CELL_EMPTY; /* outside the volume */
+      return spare_cell(m, block, cx, cy, CHI_SKIP_FOOTPRINT, SKIPPED_FOOTPRINT);
     }
     inside &= low[a] > s->box_low[a] + 0.01 && high[a] < s->box_high[a] - 0.01;
   }
@@ -115,27 +141,28 @@ static uint8_t classify_cell(march* m, int64_t block, int cx, int cy)
     }
     if (most < 0)
     {
-      return CELL_EMPTY; /* cut away */
+      return spare_cell(m, block, cx, cy, CHI_SKIP_CLIPPED, SKIPPED_CLIPPED);
     }
     inside &= least > 0.01;
   }
   const chi_cut_share share = chi_crop_share(s, (const double(*)[3])p);
   if (share == CHI_CUT_ALL)
   {
-    return CELL_EMPTY;
+    return spare_cell(m, block, cx, cy, CHI_SKIP_CLIPPED, SKIPPED_CLIPPED);
   }
   int64_t all;
   const int64_t occupied = chi_classification_count(m->classification, m->bricks, low, high, &all);
   const uint8_t crosses =
     (uint8_t)((inside ? 0 : CELL_CROSSES_BOX) | (share == CHI_CUT_PART ? CELL_CUT : 0));
-  if (m->keep_all)
+  if (!(m->skip & CHI_SKIP_BRICKS))
   {
     return CELL_OCCUPIED | crosses;
   }
   if (occupied == 0)
   {
     const double group = (double)s->group;
-    atomic_fetch_add(&m->empty_samples, count_inside(m, cx, cy, first * group, last * group));
+    atomic_fetch_add(
+      &m->skipped[SKIPPED_BRICKS], count_inside(m, cx, cy, first * group, last * group));
     return CELL_EMPTY;
   }
   return (uint8_t)(CELL_OCCUPIED | crosses | (occupied < all ? CELL_MIXED : 0));

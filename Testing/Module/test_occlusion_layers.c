@@ -445,6 +445,7 @@ static void a_new_version_is_drawn_and_an_old_one_kept(void)
 {
   scene* const s = make_scene(0, 0);
   chi_occlusion_stats stats;
+  s->params.skip = CHI_SKIP_UNCHANGED;
   set_random_layers(s, 2, 0.4f);
   render(s);
   CHECK(chi_occlusion_render(NULL, s->engine, &s->frame) == CHI_OK);

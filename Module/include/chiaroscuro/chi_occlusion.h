@@ -54,6 +54,25 @@ enum
   CHI_COMBINE_MINIMUM = 1  /**< Eq. 7 */
 };
 
+/** Work that is left out because it changes no picture by more than 1/255; bits of
+ * chi_occlusion_params.skip. Bit 0 stands for every kind, those of later versions included. */
+enum
+{
+  CHI_SKIP_NOTHING = 0,
+  CHI_SKIP_ALL = 1,
+  CHI_SKIP_BRICKS = 2, /**< samples in bricks that the transfer function makes transparent */
+  CHI_SKIP_SATURATED_RAYS = 4,    /**< samples of rays whose transmittance is below 0.002 */
+  CHI_SKIP_BEHIND_GEOMETRY = 8,   /**< samples behind the surface */
+  CHI_SKIP_CLIPPED = 16,          /**< cells and slabs that the clip planes cut away as a whole */
+  CHI_SKIP_FOOTPRINT = 32,        /**< cells outside the volume's footprint */
+  CHI_SKIP_SATURATED_LIGHT = 64,  /**< light that is uniform over a tile */
+  CHI_SKIP_UNREACHED_LIGHT = 128, /**< light that no sample and no surface receives any more */
+  CHI_SKIP_UNCHANGED = 256,       /**< bricks, classification and picture of the last frame, where
+                                       their sources have not changed */
+  CHI_SKIP_EVERY_KIND = 510,      /**< all of this version, to take single ones away from */
+  CHI_SKIP_KINDS = 16             /**< length of chi_occlusion_stats.skipped */
+};
+
 typedef struct chi_occlusion_params
 {
   size_t struct_size;
@@ -70,7 +89,7 @@ typedef struct chi_occlusion_params
                                1.5 voxels (default) */
   double geometry_thickness; /**< geometry blocks the light so far behind its surface, world units;
                                   0 = one slab (default), INFINITY = Algorithm 3 of the paper */
-  int32_t skip;              /**< 0: take every sample and every light tile (tests); default 1 */
+  int32_t skip;              /**< CHI_SKIP_...; default CHI_SKIP_ALL */
   int32_t combine;           /**< CHI_COMBINE_...; default product */
   double geometry_opacity;  /**< share of the light that geometry blocks, 0 ... 1; default 1. Over a
                                finite thickness in all, over an infinite one in every slab */
@@ -166,6 +185,12 @@ typedef struct chi_occlusion_stats
   double seconds_samples; /**< (t) share of seconds_slices */
   double seconds_light;   /**< (t) share of seconds_slices */
   int64_t moved_lights;   /**< lights whose direction was too far off the view axis */
+  /** What each kind of skipping left out: [k] belongs to the flag 1 << k. Samples (of clipped and
+   * of footprint those of the whole lattice, elsewhere those inside the volume's box); updates of
+   * light; of unchanged the number of stages, 0 ... 3. Work that two kinds spare is counted for
+   * one. */
+  int64_t skipped[CHI_SKIP_KINDS];
+  int64_t light_bytes; /**< of light buffers that this frame used; 0 without occlusion */
 } chi_occlusion_stats;
 
 /** The defaults named above. Infallible. */

@@ -73,6 +73,15 @@ typedef struct chi_sample_frame
   chi_cut cut;
 } chi_sample_frame;
 
+/* Why samples inside the box were not taken. */
+enum
+{
+  CHI_SPARED_EMPTY,
+  CHI_SPARED_SATURATED,
+  CHI_SPARED_HIDDEN,
+  CHI_SPARED_KINDS
+};
+
 /* One row of pixels over one segment between two slices. */
 typedef struct chi_sample_row
 {
@@ -97,8 +106,9 @@ typedef struct chi_sample_row
   int bricks;              /* non-zero: test bricks */
   int restart;             /* non-zero: the state at the near slice is not valid */
   int saturated_too;       /* non-zero: sample saturated rays as well, their light is needed */
+  int hidden_too;          /* non-zero: sample behind the surface as well */
   /* results, accumulated */
-  int64_t taken, skipped;
+  int64_t taken, spared[CHI_SPARED_KINDS];
   int any_tau;
 } chi_sample_row;
 

@@ -115,6 +115,14 @@ typedef struct sample_piece
 
 #include "chi_occlusion_cut.inl"
 
+/* Samples that are left after a test that spares some. */
+CHI_INLINE int count_spared(chi_sample_row* row, const int why, int before, const vi want)
+{
+  const int left = vi_count(want);
+  row->spared[why] += before - left;
+  return left;
+}
+
 /* Where the samples lie, which of them anybody needs, and their places in the tables. */
 CHI_INLINE void fetch_piece(chi_sample_row* row, sample_piece* piece, int x_begin, int count,
   const int fetch, const int nearest)
@@ -166,24 +174,25 @@ CHI_INLINE void fetch_piece(chi_sample_row* row, sample_piece* piece, int x_begi
     {
       p[a] = vf_min(vf_max(p[a], vf_set(0.0f)), vf_set(s->last_index[a]));
     }
-    const vi inside = want;
-    if (row->surface && !row->saturated_too)
+    int taken = row->enter || row->cut ? vi_count(want) : CHI_LANES;
+    if (row->surface && !row->hidden_too)
     {
       want &= vf_load(row->surface + x) > row->near_slice;
+      taken = count_spared(row, CHI_SPARED_HIDDEN, taken, want);
     }
     if (!row->saturated_too)
     {
       want &= vf_load(row->transmittance + x) > s->saturated;
+      taken = count_spared(row, CHI_SPARED_SATURATED, taken, want);
     }
     if (row->bricks)
     {
       const vi brick = (vf_int(p[0]) >> 3) + (vf_int(p[1]) >> 3) * s->brick_step_y +
         (vf_int(p[2]) >> 3) * s->brick_step_z;
       want &= (vi_gather(s->occupied, brick, 1, want) & 255) != 0;
+      taken = count_spared(row, CHI_SPARED_EMPTY, taken, want);
     }
-    const int taken = vi_count(want);
     row->taken += taken;
-    row->skipped += vi_count(inside) - taken;
     if (taken == 0)
     {
       vf_store(piece->t + i, nan);
