@@ -37,13 +37,15 @@ bool vtkChiCombinedOcclusionVolumeMapper::GetVisibilityImage(vtkImageData* image
     return false;
   }
   const chi_occlusion_image& from = this->Internal->Image;
-  vtkFloatArray* values = allocateImage(
-    image, from.visibility ? from.width : 0, from.visibility ? from.height : 0, 1, "Visibility");
+  const bool colored = from.visibility_rgb != nullptr;
+  vtkFloatArray* values = allocateImage(image, from.visibility ? from.width : 0,
+    from.visibility ? from.height : 0, colored ? 3 : 1, "Visibility");
   if (!from.visibility)
   {
     return false;
   }
-  std::copy_n(from.visibility, values->GetNumberOfTuples(), values->GetPointer(0));
+  std::copy_n(colored ? from.visibility_rgb : from.visibility, values->GetNumberOfValues(),
+    values->GetPointer(0));
   return true;
 }
 
@@ -94,7 +96,9 @@ bool vtkChiCombinedOcclusionVolumeMapper::GetFloatImage(vtkImageData* image)
       for (int c = 0; c < 3; ++c)
       {
         const float highlight = specular.empty() ? 0.0f : specular[4 * pixel + c];
-        target[c] += through * (from.visibility[pixel] * (lit[c] - highlight) + highlight);
+        const float visibility =
+          from.visibility_rgb ? from.visibility_rgb[3 * pixel + c] : from.visibility[pixel];
+        target[c] += through * (visibility * (lit[c] - highlight) + highlight);
       }
       target[3] = 1.0f;
     }
@@ -273,6 +277,14 @@ void vtkChiCombinedOcclusionVolumeMapper::PrintSelf(ostream& os, vtkIndent inden
   os << indent
      << "OcclusionMethod: " << (this->OcclusionMethod == PUBLISHED ? "Published" : "Ordinates")
      << "\n";
+  os << indent << "LightDirection: " << this->LightDirection[0] << " " << this->LightDirection[1]
+     << " " << this->LightDirection[2] << "\n";
+  os << indent << "SecondLightDirection: " << this->SecondLightDirection[0] << " "
+     << this->SecondLightDirection[1] << " " << this->SecondLightDirection[2] << "\n";
+  os << indent << "SecondLightConeAngle: " << this->SecondLightConeAngle << "\n";
+  os << indent << "SecondLightShare: " << this->SecondLightShare << "\n";
+  os << indent << "AttenuationColor: " << this->AttenuationColor[0] << " "
+     << this->AttenuationColor[1] << " " << this->AttenuationColor[2] << "\n";
   os << indent << "Engine: " << this->Engine << "\n";
   os << indent << "VolumeToVolume: " << this->VolumeToVolume << "\n";
   os << indent << "VolumeToGeometry: " << this->VolumeToGeometry << "\n";

@@ -123,6 +123,22 @@ void vtkChiCombinedOcclusionVolumeMapper::SetGeometryOcclusion(bool on)
 }
 
 //------------------------------------------------------------------------------
+void vtkChiCombinedOcclusionVolumeMapper::SetAttenuationColor(double red, double green, double blue)
+{
+  const double asked[3] = { red, green, blue };
+  double taken[3];
+  for (int c = 0; c < 3; ++c)
+  {
+    taken[c] = asked[c] > 0.0 ? std::min(asked[c], 1000.0) : 0.0;
+  }
+  if (!std::equal(taken, taken + 3, this->AttenuationColor))
+  {
+    std::copy_n(taken, 3, this->AttenuationColor);
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
 void vtkChiCombinedOcclusionVolumeMapper::ApplyPublishedPreset()
 {
   this->SetOcclusionMethodToPublished();
@@ -304,6 +320,16 @@ void vtkChiCombinedOcclusionVolumeMapper::CollectParameters()
   params.vicinity_bias = this->VicinityDepthBias == 0.0 && this->OcclusionMethod == PUBLISHED
     ? 0.1 * params.vicinity_distance
     : this->VicinityDepthBias;
+  std::copy_n(this->LightDirection, 3, params.light_direction);
+  std::copy_n(this->SecondLightDirection, 3, params.second_light_direction);
+  params.second_light_cone_angle_rad = vtkMath::RadiansFromDegrees(this->SecondLightConeAngle);
+  params.second_light_share = this->SecondLightShare;
+  params.colored_attenuation = 1; // alike in all channels it costs and changes nothing
+  std::copy_n(this->AttenuationColor, 3, params.attenuation);
+  if (this->OcclusionMethod == PUBLISHED && this->SecondLightShare > 0.0)
+  {
+    this->SayOnce("the published method has one light: the second one is not drawn");
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -398,6 +424,7 @@ void vtkChiCombinedOcclusionVolumeMapper::Composite(vtkRenderer* renderer, vtkVo
   picture.Height = in.Image.height;
   picture.Rgba = in.Image.rgba;
   picture.Visibility = in.Image.visibility;
+  picture.VisibilityRgb = in.Image.visibility_rgb;
   // merged pictures change with what lies in front and behind
   const bool merge = in.Shared && !in.First;
   picture.Unchanged = in.Stats.reused != 0 && !merge && !in.LastMerged;
@@ -433,6 +460,11 @@ void vtkChiCombinedOcclusionVolumeMapper::Report()
   if (in.Image.rgba == nullptr)
   {
     in.SecondsComposite = 0.0;
+  }
+  if (in.Stats.moved_lights > 0)
+  {
+    this->SayOnce("a light more than 60 degrees off the view axis is not supported: it is taken to "
+                  "lie at 60 degrees, on the same side");
   }
   if (in.HasVolume && in.Stats.non_finite_samples > 0)
   {

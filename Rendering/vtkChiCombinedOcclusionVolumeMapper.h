@@ -4,11 +4,11 @@
  * @class   vtkChiCombinedOcclusionVolumeMapper
  * @brief   draw a volume that shades itself and the opaque geometry around it, and is shaded by it
  *
- * A cone of light falls from the eye along every line of sight. What absorbs it, voxels and opaque
- * geometry alike, darkens what lies behind: the volume darkens itself, the volume darkens the
- * geometry in and behind it, the geometry darkens the volume, and geometry darkens geometry. The
- * picture needs no light set up and looks alike from any camera, in perspective and parallel
- * projection.
+ * A cone of light falls from the eye, or from a little aside, along every line of sight. What
+ * absorbs it, voxels and opaque geometry alike, darkens what lies behind: the volume darkens
+ * itself, the volume darkens the geometry in and behind it, the geometry darkens the volume, and
+ * geometry darkens geometry. The picture needs no light set up and looks alike from any camera, in
+ * perspective and parallel projection.
  *
  * Set it as the mapper of a vtkVolume, as any volume mapper; opaque actors of the same renderer
  * take part without being told. The mapper draws them once more into a private buffer (colour and
@@ -116,6 +116,47 @@ public:
    */
   vtkSetClampMacro(ConeAngle, double, 1.0, 85.0);
   vtkGetMacro(ConeAngle, double);
+  ///@}
+
+  ///@{
+  /**
+   * Where the light comes from, in view coordinates: x to the right, y up, z towards the eye; of
+   * any length, (0, 0, 0) stands for (0, 0, 1). The default, (0, 0, 1), is the eye's side. In
+   * perspective the light turns with each line of sight. Light from more than 60 degrees aside is
+   * brought to 60, with a warning; what of a tilted cone comes from more than 85 degrees aside
+   * comes in at 85. What lies outside the view casts no shadow into it.
+   */
+  vtkSetVector3Macro(LightDirection, double);
+  vtkGetVector3Macro(LightDirection, double);
+  ///@}
+
+  ///@{
+  /**
+   * A second soft light: its direction, likewise, the half angle of its cone in degrees, 1 to 85,
+   * and its part in all light, 0 (the default: there is none) to 1. It takes NumberOfDirections
+   * again. Not with the published method.
+   */
+  vtkSetVector3Macro(SecondLightDirection, double);
+  vtkGetVector3Macro(SecondLightDirection, double);
+  vtkSetClampMacro(SecondLightConeAngle, double, 1.0, 85.0);
+  vtkGetMacro(SecondLightConeAngle, double);
+  vtkSetClampMacro(SecondLightShare, double, 0.0, 1.0);
+  vtkGetMacro(SecondLightShare, double);
+  ///@}
+
+  ///@{
+  /**
+   * Coloured attenuation: factors, 0 to 1000, of the volume's extinction for red, green and blue
+   * light. (0.5, 1, 1) lets red light twice as far through, so that what lies in the shadow of
+   * tissue reddens; 0 takes a colour out of the occlusion. It holds for light, not for the lines of
+   * sight. Default (1, 1, 1); each factor that differs costs light buffers of its own.
+   */
+  void SetAttenuationColor(double red, double green, double blue);
+  void SetAttenuationColor(const double factors[3])
+  {
+    this->SetAttenuationColor(factors[0], factors[1], factors[2]);
+  }
+  vtkGetVector3Macro(AttenuationColor, double);
   ///@}
 
   ///@{
@@ -330,7 +371,8 @@ public:
 
   /**
    * Copy the visibility of the opaque geometry in the last frame into `image`: point scalars
-   * "Visibility", one float a pixel, after strength; 1 where there is no geometry.
+   * "Visibility", one float a pixel, under coloured attenuation three, after strength; 1 where
+   * there is no geometry.
    */
   bool GetVisibilityImage(vtkImageData* image);
 
@@ -423,6 +465,11 @@ protected:
   ~vtkChiCombinedOcclusionVolumeMapper() override;
 
   double ConeAngle = 45.0;
+  double LightDirection[3] = { 0.0, 0.0, 1.0 };
+  double SecondLightDirection[3] = { 0.0, 0.0, 1.0 };
+  double SecondLightConeAngle = 45.0;
+  double SecondLightShare = 0.0;
+  double AttenuationColor[3] = { 1.0, 1.0, 1.0 };
   int NumberOfDirections = 16;
   double SampleDistance = 0.0;
   double OcclusionStrength = 1.0;

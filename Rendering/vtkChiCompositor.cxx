@@ -114,7 +114,9 @@ void vtkChiCompositor::Upload(vtkOpenGLRenderWindow* window, const Picture& pict
     return;
   }
   uploadPlane(this->Layer, window, picture.Width, picture.Height, 4, picture.Rgba);
-  uploadPlane(this->Visibility, window, picture.Width, picture.Height, 1, picture.Visibility);
+  const bool colored = picture.VisibilityRgb != nullptr;
+  uploadPlane(this->Visibility, window, picture.Width, picture.Height, colored ? 3 : 1,
+    colored ? picture.VisibilityRgb : picture.Visibility);
   this->Uploaded = true;
 }
 
@@ -175,9 +177,26 @@ void vtkChiCompositor::DrawQuad(vtkRenderer* renderer, const Picture& picture)
   }
   program->SetUniformi("hasSpecular", textures[3] ? 1 : 0);
   program->SetUniformi("hasSurface", picture.Surface ? 1 : 0);
-  program->SetUniformi("rewriteSurface",
-    picture.Surface && picture.First && mayRewriteSurface(renderer, picture.Layered) ? 1 : 0);
-  this->Quad->Render();
+  const bool rewrite = picture.Surface && picture.First &&
+    mayRewriteSurface(renderer, picture.Layered);
+  program->SetUniformi("rewriteSurface", rewrite ? 1 : 0);
+  program->SetUniformi("coloredVisibility", picture.VisibilityRgb ? 1 : 0);
+  // One alpha cannot darken colours by different parts: then they are multiplied first. Where
+  // geometry is rewritten nothing of it is left to darken.
+  const int first = picture.VisibilityRgb && picture.Surface && !rewrite ? 1 : 0;
+  for (int stage = first; stage <= 2 * first; ++stage)
+  {
+    program->SetUniformi("stage", stage);
+    if (stage == 1)
+    {
+      state->vtkglBlendFuncSeparate(GL_ZERO, GL_SRC_COLOR, GL_ZERO, GL_SRC_ALPHA);
+    }
+    else if (stage == 2)
+    {
+      state->vtkglBlendFuncSeparate(GL_ONE, GL_ONE, GL_ONE, GL_ONE);
+    }
+    this->Quad->Render();
+  }
   for (vtkTextureObject* texture : textures)
   {
     if (texture)

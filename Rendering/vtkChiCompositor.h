@@ -23,6 +23,7 @@ public:
     int Height = 0;
     const float* Rgba = nullptr;          // [height x width x 4] premultiplied
     const float* Visibility = nullptr;    // [height x width] of the opaque geometry
+    const float* VisibilityRgb = nullptr; // [height x width x 3] in its place, where colours differ
     vtkTextureObject* Surface = nullptr;  // lit colours of the opaque geometry; null: there is none
     vtkTextureObject* Specular = nullptr; // part of these that occlusion does not take; null: none
     bool Unchanged = false;               // the same floats as in the last call

@@ -153,7 +153,14 @@ void vtkChiOcclusionFrame::AddLayer(vtkVolume* volume, const chi_camera* camera,
     const std::size_t pixels =
       static_cast<std::size_t>(image->width) * static_cast<std::size_t>(image->height);
     layer.Rgba.assign(image->rgba, image->rgba + 4 * pixels);
-    layer.Visibility.assign(image->visibility, image->visibility + pixels);
+    if (image->visibility_rgb)
+    {
+      layer.Visibility.assign(image->visibility_rgb, image->visibility_rgb + 3 * pixels);
+    }
+    else
+    {
+      layer.Visibility.assign(image->visibility, image->visibility + pixels);
+    }
     layer.Camera = *camera;
     double indexToEye[16];
     vtkMatrix4x4::Multiply4x4(camera->world_to_eye, samples->index_to_world, indexToEye);
@@ -267,10 +274,11 @@ void vtkChiOcclusionFrame::MergeRow(
       }
     }
     float* target = rgba.data() + 4 * pixel;
-    const float visibility = last.Visibility[pixel];
-    const float keep = (1.0f - target[3]) * visibility;
+    const bool colored = 4 * last.Visibility.size() == 3 * last.Rgba.size();
     for (std::size_t c = 0; c < 3; ++c)
     {
+      const float visibility = last.Visibility[colored ? 3 * pixel + c : pixel];
+      const float keep = (1.0f - target[3]) * visibility;
       const float highlight = specular.empty() ? 0.0f : specular[4 * pixel + c];
       const float behind = back[c] + (1.0f - back[3]) * highlight;
       target[c] = front[c] * (1.0f - keep) +

@@ -71,7 +71,7 @@ private:
   {
     vtkVolume* Volume = nullptr; // compared, never used
     std::vector<float> Rgba;     // empty: nothing but geometry, or not kept
-    std::vector<float> Visibility;
+    std::vector<float> Visibility; // one value a pixel, or three
     chi_camera Camera = {};
     double EyeToIndex[16] = {};
     double Low[3] = {}; // box in index space

@@ -13,17 +13,21 @@ uniform sampler2D specularTexture;   // the part of it that occlusion does not t
 uniform int hasSurface;
 uniform int hasSpecular;
 uniform int rewriteSurface; // replace the geometry's pixels instead of darkening them
+uniform int coloredVisibility; // it has three components
+uniform int stage; // 0: blending as above; 1: write what the frame buffer's colours are to be
+                   // multiplied by, each on its own; 2: what is to be added to them
 in vec2 texCoord;           // 0 to 1 over the viewport
 
 void main()
 {
   ivec2 pixel = ivec2(texCoord * vec2(textureSize(layerTexture, 0)));
   vec4 layer = texelFetch(layerTexture, pixel, 0);
-  float keep = 1.0 - layer.a;
+  vec3 keep = vec3(1.0 - layer.a);
   if (hasSurface != 0)
   {
     // Schott et al. 2013, Eqs 9 and 10: (occlusion (lit - specular) + specular) (1 - alpha) + volume
-    float visibility = texelFetch(visibilityTexture, pixel, 0).r;
+    vec3 visibility = texelFetch(visibilityTexture, pixel, 0).rgb;
+    visibility = coloredVisibility != 0 ? visibility : visibility.rrr;
     if (hasSpecular != 0)
     {
       layer.rgb += keep * (1.0 - visibility) * texelFetch(specularTexture, pixel, 0).rgb;
@@ -35,9 +39,10 @@ void main()
       if (surface.a > 0.0)
       {
         layer.rgb += keep * surface.rgb;
-        keep = 0.0;
+        keep = vec3(0.0);
       }
     }
   }
-  gl_FragData[0] = vec4(layer.rgb, 1.0 - keep);
+  float through = coloredVisibility != 0 ? (keep.r + keep.g + keep.b) / 3.0 : keep.r;
+  gl_FragData[0] = stage == 1 ? vec4(keep, through) : vec4(layer.rgb, 1.0 - through);
 }
