@@ -250,6 +250,12 @@ bool vtkChiCombinedOcclusionVolumeMapper::Collect(vtkRenderer* renderer, vtkVolu
   if (in.HasVolume)
   {
     this->CollectUnsupported(volume);
+    vtkChiShadingInput* shading = in.Input.GetShading();
+    shading->CollectLights(volume->GetProperty(), renderer, in.Camera.GetView());
+    for (const std::string& limit : shading->GetLimits())
+    {
+      this->SayOnce(limit.c_str());
+    }
     in.HasVolume = in.Camera.Reaches(in.Input.GetVolume());
   }
   this->CollectParameters();
@@ -267,13 +273,7 @@ void vtkChiCombinedOcclusionVolumeMapper::CollectUnsupported(vtkVolume* volume)
       this->SayOnce(what);
     }
   };
-  check(property->GetShade(0) != 0,
-    "shading by gradients (vtkVolumeProperty::ShadeOn) is not supported yet: the volume is shaded "
-    "by "
-    "occlusion alone");
   const bool two = property->GetTransferFunctionMode() == vtkVolumeProperty::TF_2D;
-  check(!two && property->HasGradientOpacity(0) && !property->GetDisableGradientOpacity(0),
-    "gradient opacity (vtkVolumeProperty) is not supported yet: scalar opacity alone is used");
   check(two,
     "two-dimensional transfer functions (vtkVolumeProperty) are not supported yet: the "
     "one-dimensional ones are used");
@@ -389,6 +389,7 @@ bool vtkChiCombinedOcclusionVolumeMapper::RenderEngine()
   frame.transfer = in.HasVolume ? in.Input.GetTransfer() : nullptr;
   frame.surface = surface;
   frame.layers = layers;
+  frame.shading = in.HasVolume ? in.Input.GetShading()->GetShading() : nullptr;
   frame.params = &in.Params;
   frame.clip_planes = in.Input.GetClipPlanes().data();
   frame.clip_plane_count = in.HasVolume ? in.Input.GetClipPlanes().size() / 4 : 0;

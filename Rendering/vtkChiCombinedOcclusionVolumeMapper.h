@@ -19,13 +19,14 @@
  * scalars of every VTK type, of points or cells, chosen with SetScalarMode and SelectScalarArray;
  * the volume's full matrix (user matrix, non-uniform scale, mirror), spacing of any sign, direction
  * matrix, extent; of the vtkVolumeProperty the colour function (RGB or gray), the scalar opacity,
- * its unit distance, nearest or linear interpolation; of the mapper up to 32 clipping planes and
- * all cropping regions: what they cut away neither draws nor darkens. Blending is composite.
+ * its unit distance, gradient opacity, shading (with the renderer's lights, by the same formula as
+ * vtkGPUVolumeRayCastMapper; occlusion takes ambient and diffuse light, not highlights), nearest or
+ * linear interpolation; of the mapper up to 32 clipping planes and all cropping regions: what they
+ * cut away neither draws nor darkens. Blending is composite.
  *
  * <b>What is not supported yet</b> is named in a warning, once for each cause, and the picture is
- * drawn without it: shading by gradients, gradient opacity, two-dimensional transfer functions,
- * several components (the first one is drawn), other blend modes, label maps, blanking, cubic
- * interpolation, sheared projections.
+ * drawn without it: two-dimensional transfer functions, several components (the first one is
+ * drawn), other blend modes, label maps, blanking, cubic interpolation, sheared projections.
  *
  * <b>Opaque geometry.</b> The pixels of opaque geometry are rewritten once a frame, by the first of
  * these mappers: shaded colour times visibility, under the volume. Where rewriting would lose what

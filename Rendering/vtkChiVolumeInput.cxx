@@ -391,8 +391,9 @@ bool vtkChiVolumeInput::CollectTransfer(vtkVolumeProperty* property, vtkMTimeTyp
   std::copy_n(reinterpret_cast<const char*>(&unitDistance), sizeof(unitDistance),
     reinterpret_cast<char*>(&distanceBits));
   const void* colorObject = gray ? static_cast<void*>(gray) : static_cast<void*>(color);
-  const std::array<std::uint64_t, 7> key = { bits(opacity), opacity->GetMTime(), bits(colorObject),
-    gray ? gray->GetMTime() : color->GetMTime(), this->Volume.version, distanceBits, time };
+  const std::array<std::uint64_t, 8> key = { bits(opacity), opacity->GetMTime(), bits(colorObject),
+    gray ? gray->GetMTime() : color->GetMTime(), this->Volume.version, distanceBits, time,
+    vtkChiShadingInput::GetGradientOpacityTime(property) };
   if (key == this->TransferKey && !this->Opacities.empty())
   {
     return true;
@@ -428,6 +429,7 @@ bool vtkChiVolumeInput::CollectTransfer(vtkVolumeProperty* property, vtkMTimeTyp
   this->Transfer.rgb = this->Colors.data();
   this->Transfer.opacity = this->Opacities.data();
   this->Transfer.unit_distance = unitDistance;
+  this->Shading.CollectGradientOpacity(property, this->Samples, &this->Transfer);
   ++this->Transfer.version;
   this->TransferKey = key;
   return true;

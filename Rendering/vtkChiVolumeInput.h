@@ -3,6 +3,8 @@
 #ifndef vtkChiVolumeInput_h
 #define vtkChiVolumeInput_h
 
+#include "vtkChiShadingInput.h"
+
 #include <chiaroscuro/chi_transfer.h>
 #include <chiaroscuro/chi_volume.h>
 
@@ -34,6 +36,7 @@ public:
 
   const chi_volume_view* GetVolume() const { return &this->Volume; }
   const chi_transfer_view* GetTransfer() const { return &this->Transfer; }
+  vtkChiShadingInput* GetShading() { return &this->Shading; }
   // What the mapper's clipping planes and cropping box leave: [planes x 4] for the core.
   const std::vector<double>& GetClipPlanes() const { return this->ClipPlanes; }
   const std::string& GetProblem() const { return this->Problem; }
@@ -62,9 +65,10 @@ private:
   vtkSmartPointer<vtkDataArray> Scalars; // as found
   vtkSmartPointer<vtkDataArray> Samples; // as handed to the core: the same, or a plain copy
   std::array<std::uint64_t, 4> SamplesKey = {};
-  std::array<std::uint64_t, 7> TransferKey = {};
+  std::array<std::uint64_t, 8> TransferKey = {};
   std::vector<float> Colors;
   std::vector<float> Opacities;
+  vtkChiShadingInput Shading;
 
   vtkSmartPointer<vtkImageData> Resampled;
   std::array<std::uint64_t, 2> ResampledKey = {};

@@ -23,6 +23,9 @@ typedef struct transfer_key
   size_t count;
   double range[2], unit_distance;
   int64_t dilate;
+  const void* gradient_opacity;
+  size_t gradient_count;
+  double gradient_end;
 } transfer_key;
 
 typedef struct frame_key
@@ -36,6 +39,7 @@ typedef struct frame_key
   const void* layers[2];
   uint64_t surface_version, layers_version;
   double lights[11]; /* directions, the second one's cone and share, attenuation */
+  chi_shading_key shading;
   int64_t integers[16];
 } frame_key;
 
@@ -156,7 +160,7 @@ static int transfer_is_valid(const chi_transfer_view* t)
 {
   return t && t->rgb && t->opacity && t->count >= 2 && t->count <= 65536 &&
     all_finite(t->range, 2) && t->range[0] < t->range[1] && t->unit_distance > 0 &&
-    isfinite(t->unit_distance);
+    isfinite(t->unit_distance) && chi_gradient_opacity_is_valid(t);
 }
 
 static int cone_is_valid(double angle)
@@ -198,7 +202,7 @@ static chi_status check_frame(const chi_occlusion_frame* frame)
   if (!frame || !camera_is_valid(frame->camera) || !params_are_valid(frame->params) ||
     (frame->volume && !transfer_is_valid(frame->transfer)) ||
     (frame->surface && !frame->surface->depth) || !chi_layers_are_valid(frame->layers) ||
-    frame->clip_plane_count > CHI_MAX_CLIP_PLANES ||
+    !chi_shading_is_valid(frame->shading) || frame->clip_plane_count > CHI_MAX_CLIP_PLANES ||
     (frame->clip_plane_count &&
       !(frame->clip_planes && all_finite(frame->clip_planes, 4 * (int)frame->clip_plane_count))) ||
     (frame->crop && !all_finite(frame->crop->planes[0], 24)) ||
@@ -234,6 +238,9 @@ static transfer_key key_of_transfer(const chi_transfer_view* t, int dilate)
   memcpy(key.range, t->range, sizeof key.range);
   key.unit_distance = t->unit_distance;
   key.dilate = dilate;
+  key.gradient_opacity = t->gradient_opacity;
+  key.gradient_count = t->gradient_count;
+  key.gradient_end = t->gradient_end;
   return key;
 }
 
@@ -274,6 +281,7 @@ static frame_key key_of_frame(const chi_occlusion_frame* frame)
   {
     memcpy(key.crop_planes, frame->crop->planes, sizeof key.crop_planes);
   }
+  chi_shading_make_key(&key.shading, frame->shading);
   if (frame->surface)
   {
     key.depth = frame->surface->depth;

@@ -187,6 +187,23 @@ chi_status chi_vicinity(const chi_exec* exec, const chi_scene* scene,
   const chi_surface_view* surface, const chi_occlusion_params* params, float* visibility,
   size_t colors);
 
+/* Gradients: whether what a frame says of them is valid, whether it asks for them, and what the
+ * kernels need (chi_shading.c). */
+int chi_shading_is_valid(const chi_shading_view* shading); /* NULL is */
+int chi_gradient_opacity_is_valid(const chi_transfer_view* transfer);
+int chi_shading_prepare(chi_shade_frame* out, const chi_occlusion_frame* frame,
+  const chi_bricks* bricks, int* needed); /* 0: a matrix is singular */
+
+/* What of the shading changes the picture, comparable by its bytes. */
+typedef struct chi_shading_key
+{
+  double material[7];
+  int64_t two_sided, unclamped, light_count; /* -1: none */
+  chi_shading_light light[CHI_MAX_LIGHTS];
+} chi_shading_key;
+
+void chi_shading_make_key(chi_shading_key* key, const chi_shading_view* shading);
+
 /* Light that travels for one kind of receiver. */
 typedef struct chi_light_field
 {

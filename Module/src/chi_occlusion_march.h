@@ -83,6 +83,7 @@ typedef struct march
   const chi_occlusion_kernels* kernels;
   chi_march* keep;
   chi_sample_frame sample;
+  chi_shade_frame shade;
   const chi_bricks* bricks;
   const chi_classification* classification;
   float* planes;  /* [PICTURE_PLANES][rows][stride] */

@@ -256,13 +256,13 @@ static void clear_rows(void* data, size_t begin, size_t end)
   }
 }
 
-static void set_sample_frame(march* m)
+static chi_status set_sample_frame(march* m)
 {
   chi_sample_frame* const f = &m->sample;
   f->saturated = m->skip & CHI_SKIP_SATURATED_RAYS ? CHI_SATURATED : -1;
   if (!m->frame->volume)
   {
-    return;
+    return CHI_OK;
   }
   const chi_bricks* const b = m->bricks;
   const chi_classification* const c = m->classification;
@@ -300,6 +300,14 @@ static void set_sample_frame(march* m)
   }
   f->tinted = m->scene->channels > 1;
   f->general |= f->tinted;
+  int shaded = 0;
+  if (!chi_shading_prepare(&m->shade, m->frame, b, &shaded))
+  {
+    return CHI_ERROR_INVALID_ARGUMENT;
+  }
+  f->shade = shaded ? &m->shade : NULL;
+  f->general = f->general || shaded;
+  return CHI_OK;
 }
 
 static void plan_layout(march* m)
@@ -349,7 +357,10 @@ chi_status chi_march_plan(march* m)
   }
   if (status == CHI_OK)
   {
-    set_sample_frame(m);
+    status = set_sample_frame(m);
+  }
+  if (status == CHI_OK)
+  {
     plan_steps(m);
     plan_order(m);
     status = chi_for(m->exec, m->rows, clear_rows, m);

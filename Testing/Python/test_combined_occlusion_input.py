@@ -274,8 +274,6 @@ class Input(unittest.TestCase):
 
         data = image(lopsided(), SPACING)
         causes = {
-            "shading by gradients": lambda volume, *_: volume.GetProperty().ShadeOn(),
-            "gradient opacity": lambda volume, *_: volume.GetProperty().GetGradientOpacity().AddPoint(9, 0.5),
             "two-dimensional transfer functions": lambda volume, *_: volume.GetProperty().SetTransferFunctionModeTo2D(),
             "unit distance": lambda volume, *_: volume.GetProperty().SetScalarOpacityUnitDistance(-1.0),
             "blend mode": lambda _volume, mapper, _scene: mapper.SetBlendModeToMaximumIntensity(),

@@ -12,6 +12,7 @@
 
 #include "chi_camera.h"
 #include "chi_mask.h"
+#include "chi_shading.h"
 #include "chi_surface.h"
 #include "chi_transfer.h"
 #include "chi_volume.h"
@@ -147,6 +148,7 @@ typedef struct chi_occlusion_frame
   size_t clip_plane_count;       /**< 0 ... CHI_MAX_CLIP_PLANES */
   const chi_layers_view* layers; /**< NULL: no translucent geometry */
   const chi_crop_view* crop; /**< NULL: no regions are cropped; applies besides the clip planes */
+  const chi_shading_view* shading; /**< NULL: the table's colours as they are */
 } chi_occlusion_frame;
 
 /** The last picture, owned by the handle, valid until its next call. Row 0 is the lowest. */

@@ -24,6 +24,13 @@ typedef struct chi_transfer_view
   double range[2];      /**< scalar units; range[0] < range[1] */
   double unit_distance; /**< world units, > 0 */
   uint64_t version;     /**< differs whenever the tables do */
+  /** Opacity by the gradient, or NULL: extinction is multiplied by it. Equidistant entries over the
+   * gradient's magnitude from 0 to gradient_end, beyond which the last one holds. The magnitude is
+   * that of the central difference, one sample to either side, in scalar units a mean voxel: times
+   * the mean of the three edges of a voxel. */
+  const float* gradient_opacity; /**< [gradient_count], 0 ... 1 */
+  size_t gradient_count;         /**< 2 ... 65536 */
+  double gradient_end;           /**< > 0 */
 } chi_transfer_view;
 
 #ifdef __cplusplus

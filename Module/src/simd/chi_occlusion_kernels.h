@@ -5,6 +5,8 @@
 
 /* The inner loops of the occlusion renderer, once per instruction set; chosen at load. */
 
+#include <chiaroscuro/chi_shading.h>
+
 #include <stddef.h>
 #include <stdint.h>
 
@@ -47,6 +49,31 @@ typedef struct chi_cut
   uint32_t regions;  /* that stay, bit x + 3 y + 9 z; 0x7ffffff: all */
   float plane[6][4]; /* index space: low x, high x, low y, ... */
 } chi_cut;
+/* chi_shading_light as the kernels read it: colours times the material's share, direction of unit length.
+ */
+typedef struct chi_kernel_light
+{
+  int kind; /* CHI_LIGHT_... */
+  float direction[3], position[3];
+  float diffuse[3], specular[3];
+  float attenuation[3];
+  float cone_cosine; /* negative: it shines everywhere */
+  float exponent;
+} chi_kernel_light;
+
+/* What shading and gradient opacity need. */
+typedef struct chi_shade_frame
+{
+  float to_eye[3][4]; /* index position to eye coordinates */
+  float normal[3][3]; /* differences over two samples along the index axes to the gradient in eye
+                         coordinates, shares of the table's range a mean voxel */
+  int lit, two_sided, shiny, light_count;
+  float ambient, ambient_light[3], power;
+  float limit;                        /* of a colour */
+  const float* gradient_opacity;      /* NULL: 1 */
+  float gradient_scale, gradient_end; /* table position = gradient * scale, up to the end */
+  chi_kernel_light light[CHI_MAX_LIGHTS];
+} chi_shade_frame;
 
 /* What all rows of a frame share when they sample. */
 typedef struct chi_sample_frame
@@ -68,9 +95,10 @@ typedef struct chi_sample_frame
   float quantum;
   const uint8_t* occupied; /* bricks of 8^3 cells, padded by four bytes */
   int32_t brick_step_y, brick_step_z;
-  float slice;     /* world distance between slices */
-  float saturated; /* transmittance below which a ray is done */
   chi_cut cut;
+  float slice;                  /* world distance between slices */
+  float saturated;              /* transmittance below which a ray is done */
+  const chi_shade_frame* shade; /* NULL: no gradients are needed; else `general` is set */
 } chi_sample_frame;
 
 /* Why samples inside the box were not taken. */

@@ -270,6 +270,8 @@ CHI_INLINE void color_piece(chi_sample_row* row, sample_piece* piece, int count)
   }
 }
 
+#include "chi_occlusion_shade.inl"
+
 /* What the eye gets of it. */
 CHI_INLINE void composite_piece(
   chi_sample_row* row, sample_piece* piece, int x_begin, int count, const int general)
@@ -303,7 +305,8 @@ CHI_INLINE void composite_piece(
     const vf alpha = vf_select(seen, 1.0f - vf_exp_neg(-tau), vf_set(0.0f));
     vf weight = transmittance * alpha;
     vf_store(row->transmittance + x, transmittance - weight);
-    if (row->visibility && !(general && s->tinted))
+    const int darkened = general && s->shade && s->shade->lit; /* shading has done it */
+    if (row->visibility && !darkened && !(general && s->tinted))
     {
       weight *= vf_load(row->visibility + x);
     }
@@ -313,7 +316,7 @@ CHI_INLINE void composite_piece(
       for (int c = 0; c < 3; ++c)
       {
         color[c] = vf_load(piece->rgb[c] + i);
-        if (s->tinted && row->tint[c])
+        if (s->tinted && row->tint[c] && !darkened)
         {
           color[c] *= vf_load(row->tint[c] + x);
         }
@@ -347,6 +350,10 @@ CHI_INLINE void sample_run(chi_sample_row* row, int x_begin, int x_end, const in
     if (general)
     {
       color_piece(row, &piece, count);
+      if (row->frame->shade)
+      {
+        shade_piece(row, &piece, x, count, fetch, nearest);
+      }
     }
     composite_piece(row, &piece, x, count, general);
   }

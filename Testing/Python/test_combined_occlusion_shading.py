@@ -1,0 +1,302 @@
+# SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""vtkChiCombinedOcclusionVolumeMapper: shading by gradients and gradient opacity, beside the ray caster."""
+import unittest
+
+import numpy as np
+from occlusion_scene import (
+    Messages,
+    Scene,
+    cube,
+    erode,
+    float_image,
+    marschner_lobb,
+    square,
+    visibility_image,
+    volume_property,
+)
+from vtkmodules.vtkCommonDataModel import vtkPiecewiseFunction
+from vtkmodules.vtkCommonTransforms import vtkTransform
+from vtkmodules.vtkRenderingCore import vtkLight, vtkLightKit
+from vtkmodules.vtkRenderingVolumeOpenGL2 import vtkOpenGLGPUVolumeRayCastMapper
+
+from chiaroscuro.vtkChiRendering import vtkChiCombinedOcclusionVolumeMapper
+
+SIZE = 64
+DATA = marschner_lobb(SIZE)
+STEP = 0.1 * 2.0 / (SIZE - 1)
+
+
+def shaded_property(ambient=0.2, diffuse=0.7, specular=0.3, power=12.0, opacity=0.9):
+    prop = volume_property(opacity=opacity, unit=0.1)
+    prop.ShadeOn()
+    prop.SetAmbient(ambient)
+    prop.SetDiffuse(diffuse)
+    prop.SetSpecular(specular)
+    prop.SetSpecularPower(power)
+    return prop
+
+
+def light(kind="SceneLight", position=(1.0, 2.0, 3.0), color=(1.0, 1.0, 1.0), intensity=1.0):
+    result = vtkLight()
+    getattr(result, "SetLightTypeTo" + kind)()
+    result.SetPosition(*position)
+    result.SetFocalPoint(0.0, 0.0, 0.0)
+    result.SetDiffuseColor(*color)
+    result.SetSpecularColor(*color)
+    result.SetIntensity(intensity)
+    return result
+
+
+def peer():
+    mapper = vtkOpenGLGPUVolumeRayCastMapper()
+    mapper.AutoAdjustSampleDistancesOff()
+    mapper.UseJitteringOff()
+    return mapper
+
+
+def ours():
+    mapper = vtkChiCombinedOcclusionVolumeMapper()
+    mapper.SetOcclusionStrength(0.0)
+    return mapper
+
+
+def picture(mapper, prop, lights=(), data=DATA, parallel=False, prepare=None, direction=(-0.5, -0.35, -0.8)):
+    mapper.SetSampleDistance(STEP)
+    scene = Scene((100, 100))
+    volume, _ = scene.add_volume(data, prop, mapper)
+    for item in lights:
+        scene.renderer.AddLight(item)
+    if prepare:
+        prepare(volume, scene)
+    scene.look(direction, half=1.6, parallel=parallel)
+    return scene.pixels()
+
+
+def differences(a, b):
+    inside = erode(b.max(axis=2) > 0, 2)
+    return inside.sum(), 255.0 * np.abs(a - b).max(axis=2)[inside]
+
+
+def positional(cone=180.0, exponent=1.0, attenuation=(1.0, 0.0, 0.0), **options):
+    result = light(**options)
+    result.PositionalOn()
+    result.SetConeAngle(cone)
+    result.SetExponent(exponent)
+    result.SetAttenuationValues(*attenuation)
+    return result
+
+
+def gradient_property(shade):
+    prop = shaded_property()
+    prop.SetShade(shade)
+    function = vtkPiecewiseFunction()
+    for place, value in ((0.0, 0.0), (0.06, 0.2), (0.15, 1.0)):
+        function.AddPoint(place, value)
+    prop.SetGradientOpacity(function)
+    return prop
+
+
+LIGHTS = {
+    "one headlight": lambda: [],
+    "one scene light, off the axis": lambda: [light()],
+    "one camera light": lambda: [light("CameraLight", (0.5, 0.5, 1.0))],
+    "two coloured lights": lambda: [
+        light(color=(1.0, 0.4, 0.2)),
+        light(position=(-3.0, 1.0, 2.0), color=(0.2, 0.5, 1.0), intensity=0.8),
+    ],
+    "a headlight and a scene light": lambda: [light("Headlight", (0, 0, 1), intensity=0.5), light()],
+    "a positional light": lambda: [positional()],
+    "a positional light that falls off": lambda: [positional(attenuation=(0.5, 0.2, 0.1))],
+    # the ray caster puts samples up to half a voxel off when it asks how far the light is: a cone that
+    # ends hard ends a voxel elsewhere, so that this one has faded before
+    "a spot and a directional light": lambda: [
+        positional(cone=60.0, exponent=30.0),
+        light(position=(-3.0, 1.0, 2.0), color=(0.2, 0.5, 1.0)),
+    ],
+}
+
+
+class AgainstTheRayCaster(unittest.TestCase):
+    def check(self, prop, **options):
+        lights = options.pop("lights", list)
+        pictures = [picture(mapper(), prop(), lights(), **options) for mapper in (ours, peer)]
+        count, difference = differences(*pictures)
+        self.assertGreater(count, 2000)
+        # the issue's bounds
+        self.assertLessEqual(difference.mean(), 1.0)
+        self.assertLessEqual(np.percentile(difference, 99.0), 3.0)
+        return pictures[0]
+
+    def test_shaded_pictures_agree_under_every_kind_of_light(self):
+        seen = []
+        for name, lights in LIGHTS.items():
+            for parallel in (False, True):
+                with self.subTest(lights=name, parallel=parallel):
+                    seen.append(self.check(shaded_property, lights=lights, parallel=parallel))
+        for a, b in zip(seen[:-2], seen[2:]):  # and no two lights give the same picture
+            self.assertGreater(255.0 * np.abs(a - b).mean(), 0.5)
+
+    def test_sharp_highlights_agree(self):
+        dull = self.check(lambda: shaded_property(specular=0.0))
+        shiny = self.check(lambda: shaded_property(0.1, 0.6, 0.8, 40.0))
+        self.assertGreater(255.0 * np.abs(dull - shiny).max(), 30.0)
+
+    def test_one_sided_lighting_agrees(self):
+        def one_sided(_volume, scene):
+            scene.renderer.TwoSidedLightingOff()
+
+        two = self.check(shaded_property, lights=LIGHTS["one scene light, off the axis"])
+        one = self.check(shaded_property, lights=LIGHTS["one scene light, off the axis"], prepare=one_sided)
+        self.assertGreater(255.0 * np.abs(one - two).mean(), 2.0)
+
+    def test_a_light_kit_and_lights_that_are_off_agree(self):
+        def kit(_volume, scene):
+            scene.kit = vtkLightKit()
+            scene.kit.AddLightsToRenderer(scene.renderer)
+
+        self.check(shaded_property, prepare=kit)
+        off = light(position=(-3.0, 1.0, 2.0))
+        off.SwitchOff()
+        self.check(shaded_property, lights=lambda: [light(), off])
+
+    def test_without_lights_a_shaded_volume_is_black(self):
+        def dark(_volume, scene):
+            scene.renderer.AutomaticLightCreationOff()
+
+        for mapper in (ours(), peer()):
+            self.assertEqual(picture(mapper, shaded_property(), prepare=dark).max(), 0.0)
+
+    def test_a_rotated_volume_agrees(self):
+        def turn(volume, _scene):
+            volume.RotateX(25.0)
+            volume.RotateZ(40.0)
+
+        # under one headlight: with more, the ray caster's normals do not turn with the volume
+        self.check(shaded_property, prepare=turn)
+
+    def test_a_scene_that_is_rotated_as_a_whole_looks_the_same(self):
+        def shot(turn):
+            mapper = ours()
+            mapper.SetSampleDistance(STEP)
+            scene = Scene((100, 100))
+            volume, _ = scene.add_volume(DATA, shaded_property(), mapper)
+            volume.SetUserTransform(turn)
+            for place, color in (((1.0, 2.0, 3.0), (1.0, 0.4, 0.2)), ((-3.0, 1.0, 2.0), (0.2, 0.5, 1.0))):
+                scene.renderer.AddLight(light(position=turn.TransformPoint(place), color=color))
+            scene.look((-0.5, -0.35, -0.8), half=1.6, parallel=False)
+            camera = scene.renderer.GetActiveCamera()
+            camera.SetPosition(turn.TransformPoint(camera.GetPosition()))
+            camera.SetViewUp(turn.TransformVector(camera.GetViewUp()))
+            return scene.pixels()
+
+        turn = vtkTransform()
+        straight = shot(turn)
+        turn.RotateX(25.0)
+        turn.RotateZ(40.0)
+        # positions in float may turn a rounding to 8 bits
+        self.assertLessEqual(255.0 * np.abs(shot(turn) - straight).max(), 1.01)
+
+    def test_gradient_opacity_agrees_shaded_and_unshaded(self):
+        plain = self.check(lambda: volume_property(opacity=0.9, unit=0.1))
+        for shade in (0, 1):
+            with self.subTest(shade=shade):
+                cut = self.check(lambda: gradient_property(shade))
+                self.assertGreater(255.0 * np.abs(cut - plain).mean(), 5.0)
+        off = gradient_property(0)
+        off.DisableGradientOpacityOn()
+        self.assertEqual(np.abs(self.check(lambda: off) - plain).max(), 0.0)
+
+    def test_bytes_and_cells_agree(self):
+        bytes_ = marschner_lobb(SIZE, np.uint8)
+        prop = shaded_property()
+        for function in (prop.GetScalarOpacity(), prop.GetRGBTransferFunction()):
+            node = [0.0] * (4 if function is prop.GetScalarOpacity() else 6)
+            for i in range(function.GetSize()):
+                function.GetNodeValue(i, node)
+                node[0] *= 255.0
+                function.SetNodeValue(i, node)
+        self.check(lambda: prop, data=bytes_)
+
+
+class WithOcclusion(unittest.TestCase):
+    def test_occlusion_takes_matt_light_and_no_highlights(self):
+        """Schott et al. 2013, Eq. 9, on a volume: V (ambient + diffuse) + specular."""
+        pictures = {}
+        for name, values in (("all", (0.2, 0.5, 0.25)), ("matt", (0.2, 0.5, 0.0)), ("shine", (0.0, 0.0, 0.25))):
+            for strength in (0.0, 1.0):
+                mapper = ours()
+                mapper.SetOcclusionStrength(strength)
+                picture(mapper, shaded_property(*values, 1.0), LIGHTS["one headlight"]())
+                pictures[name, strength] = float_image(mapper)[..., :3]
+        # highlights alone are the same in the dark and in the light
+        self.assertEqual(np.abs(pictures["shine", 0.0] - pictures["shine", 1.0]).max(), 0.0)
+        self.assertGreater(pictures["shine", 1.0].max(), 0.05)
+        # matt light is taken, and the sum is the sum: no clamping, as 0.2 + 0.5 + 0.25 < 1
+        self.assertLess(pictures["matt", 1.0].sum(), 0.8 * pictures["matt", 0.0].sum())
+        for strength in (0.0, 1.0):
+            total = pictures["matt", strength] + pictures["shine", strength]
+            self.assertLessEqual(np.abs(pictures["all", strength] - total).max(), 1e-5)  # roundings
+
+    def test_gradient_opacity_lets_light_through_as_well(self):
+        """What gradients make transparent darkens no more."""
+        pictures = []
+        z = np.linspace(0.0, 1.0, 24, dtype=np.float32)[:, None, None]
+        data = cube(np.broadcast_to(z, (24, 24, 24)).copy(), 2.0)  # one gradient everywhere
+        for share in (1.0, 0.5, 0.0):
+            prop = volume_property(opacity=0.5)
+            function = vtkPiecewiseFunction()
+            function.AddPoint(0.0, share)
+            function.AddPoint(1.0, share)
+            prop.SetGradientOpacity(function)
+            scene = Scene((60, 60))
+            _, mapper = scene.add_volume(data, prop)
+            scene.renderer.AddActor(square(0.5, -1.2))
+            scene.look((0.0, 0.0, -1.0), half=1.2)
+            scene.window.Render()
+            pictures.append((visibility_image(mapper)[30, 30], float_image(mapper)[30, 30, 3]))
+        (full, _), (half, _), (none, _) = pictures
+        self.assertEqual(none, 1.0)
+        # each direction has half of the optical thickness: the mean of roots is below the mean's root
+        self.assertLessEqual(half, np.sqrt(full) + 1e-4)
+        self.assertLess(full, half - 0.1)
+
+    def test_shading_and_its_switches_say_nothing_and_reuse_frames(self):
+        mapper = vtkChiCombinedOcclusionVolumeMapper()
+        messages = Messages(mapper)
+        prop = gradient_property(1)
+        scene = Scene((60, 60))
+        scene.add_volume(DATA, prop, mapper)
+        scene.renderer.AddLight(light())
+        scene.look(half=1.6)
+        scene.window.Render()
+        scene.window.Render()
+        self.assertTrue(mapper.GetReusedLastFrame())
+        before = float_image(mapper)
+        for change in (
+            lambda: scene.renderer.GetLights().GetItemAsObject(0).SetPosition(-3.0, 0.0, 1.0),
+            lambda: scene.renderer.GetLights().GetItemAsObject(0).SetDiffuseColor(0.2, 1.0, 0.3),
+            lambda: prop.SetDiffuse(0.3),
+            lambda: prop.SetSpecularPower(3.0),
+            lambda: prop.GetGradientOpacity().AddPoint(0.0, 0.9),
+            lambda: prop.ShadeOff(),
+            lambda: prop.DisableGradientOpacityOn(),
+        ):
+            change()
+            scene.window.Render()
+            self.assertFalse(mapper.GetReusedLastFrame())
+            after = float_image(mapper)
+            self.assertGreater(np.abs(after - before).max(), 0.005)
+            before = after
+        self.assertEqual((messages.errors, messages.warnings), ([], []))
+        self.assertEqual(prop.HasGradientOpacity(0), True)
+        # looking for a gradient opacity must not make one
+        plain = volume_property()
+        scene = Scene((60, 60))
+        scene.add_volume(DATA, plain)
+        scene.window.Render()
+        self.assertEqual(plain.HasGradientOpacity(0), False)
+
+
+if __name__ == "__main__":
+    unittest.main()
