@@ -192,7 +192,7 @@ public:
   /**
    * Visibility is read this much nearer to the eye than the sample, in world units; without it an
    * opaque surface shadows itself to half its brightness. Negative values, the default being -1,
-   * stand for 1.5 voxels.
+   * stand for 1.5 voxels for geometry and, so that steps of opacity show no rings, 2 for the volume.
    */
   vtkSetMacro(OcclusionBias, double);
   vtkGetMacro(OcclusionBias, double);

@@ -145,6 +145,7 @@ static void describe_scene(chi_occlusion_plan* plan, const chi_scene* s)
   plan->volume_begin = s->volume_begin;
   plan->volume_end = s->volume_end;
   plan->bias = s->bias;
+  plan->sample_bias = s->sample_bias;
   plan->ring = chi_scene_ring(s);
   plan->directions = s->directions;
   for (int k = 0; k < s->directions; ++k)

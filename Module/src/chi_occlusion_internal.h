@@ -89,8 +89,8 @@ typedef struct chi_scene
   double box_low[3], box_high[3];      /* of the volume, index units */
   double clip[CHI_MAX_CLIP_PLANES][4]; /* planes in index space, unit normals, kept where >= 0 */
   int clips;
-  double crop[6][4]; /* likewise, of the cropping regions */
-  uint32_t regions;  /* that stay */
+  double crop[6][4];                           /* likewise, of the cropping regions */
+  uint32_t regions;                            /* that stay */
   double slope_x, slope_dx, slope_y, slope_dy; /* of the pixel's ray: slope_x + x slope_dx */
   double pixels_x, pixels_y; /* light pixels a unit of slope (perspective) or length (parallel) */
   double start, slice, slab; /* depth of slice 0; world distance between slices, light planes */
@@ -99,6 +99,7 @@ typedef struct chi_scene
   int64_t volume_begin, volume_end; /* slabs with samples */
   int64_t clipped_slabs;            /* that the clip planes spare */
   double bias;                      /* in slabs */
+  double sample_bias;               /* of matter, counted from its segment's near slice */
   int lights;                       /* 1 or 2 */
   chi_light light[2];
   int directions; /* of all lights; taps of the published rule */

@@ -59,7 +59,7 @@ static void plan_steps(march* m)
 
 int64_t chi_scene_ring(const chi_scene* s)
 {
-  const int64_t planes = (int64_t)ceil(s->bias) + 4;
+  const int64_t planes = (int64_t)ceil(fmax(s->bias, s->sample_bias)) + 4;
   return planes < s->slabs + 2 ? planes : s->slabs + 2;
 }
 

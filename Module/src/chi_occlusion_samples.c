@@ -17,7 +17,7 @@ static const float* run_visibility(
   {
     return NULL;
   }
-  double plane = chi_march_receiver_plane(s, slices);
+  double plane = slices / (double)s->group - s->sample_bias - 0.5;
   plane = plane < (double)(slab - 1) ? plane : (double)(slab - 1);
   if (plane <= -1)
   {
@@ -148,8 +148,6 @@ void chi_march_sample_row(
       row->surface = m->frame->surface ? picture(m, SURFACE, y) : NULL;
       row->saturated_too = light;
       row->hidden_too = light || !(m->skip & CHI_SKIP_BEHIND_GEOMETRY);
-      /* A steep step may begin at the near slice: read from the middle, the bias would shrink by
-       * half a slice there and leave a saw-tooth of light. */
       const float* visibility[3] = { NULL, NULL, NULL };
       for (int c = 0; c < s->channels && live[cx] == RAYS_LIVE; ++c)
       {

@@ -263,5 +263,11 @@ chi_status chi_scene_build(
   scene->volume_begin = (int64_t)front_slabs;
   scene->volume_end = (int64_t)(front_slabs + volume_slabs);
   scene->bias = (params->bias < 0 ? 1.5 * scene->voxel : params->bias) / scene->slab;
+  /* Matter is taken to lie in the middle of its segment. Where a step of opacity begins at the near
+   * slice it lies half a segment nearer, and less than 1.5 voxels of bias would leave rings of
+   * light: so by default there is another half voxel for it, or half a segment where that is
+   * longer. */
+  const double lead = params->bias < 0 ? 0.5 * fmax(scene->voxel, scene->slice) : 0;
+  scene->sample_bias = scene->bias + (lead - 0.5 * scene->slice) / scene->slab;
   return CHI_OK;
 }

@@ -17,15 +17,19 @@ HERE = Path(__file__).resolve().parent
 
 def main():
     build, data, out = (Path(p).resolve() for p in sys.argv[1:4])
-    brain = out / "brain128.raw"
-    if not brain.exists():
-        subprocess.run([sys.executable, HERE / "scenes.py", data / "ch2bet.nii.gz", brain], check=True)
+    out.mkdir(parents=True, exist_ok=True)
+    if not (out / "fibres128.raw").exists():
+        subprocess.run([sys.executable, HERE / "scenes.py", data, out], check=True)
+    given = {
+        "bench_occlusion": [out / "brain128.raw"],
+        "bench_occlusion_error": [out],
+        "bench_tube_vtk": [data],
+    }
     rows, failed = {}, []
     for program in sorted((build / "bin").glob("bench_*")):
         topic = program.name[len("bench_"):].removesuffix("_vtk")
         start = time.perf_counter()
-        arguments = {"bench_occlusion": [brain], "bench_tube_vtk": [data]}.get(program.name, [])
-        result = subprocess.run([program, *arguments], stdout=subprocess.PIPE, text=True)
+        result = subprocess.run([program, *given.get(program.name, [])], stdout=subprocess.PIPE, text=True)
         print(f"{program.name}: {time.perf_counter() - start:.0f} s", flush=True)
         if result.returncode != 0:
             failed.append(program.name)

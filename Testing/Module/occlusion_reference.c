@@ -446,7 +446,7 @@ static double ray_thickness(const reference_volume* v, const reference_surface* 
       {
         break;
       }
-      if (is_blocked(surface, view, at))
+      if (surface->contains ? surface->contains(surface->solid, at) : is_blocked(surface, view, at))
       {
         return INFINITY;
       }
@@ -615,14 +615,16 @@ static int ascending(const void* a, const void* b)
 reference_error reference_compare(
   const float* visibility, const double* exact, size_t count, double* work)
 {
-  reference_error e = { 0, 0, 0, 0 };
+  reference_error e = { 0, 0, 0, 0, 0 };
   for (size_t i = 0; i < count; ++i)
   {
     const double d = (double)visibility[i] - exact[i];
     work[i] = fabs(d);
     e.mean += work[i] / (double)count;
     e.bias += d / (double)count;
+    e.rms += d * d / (double)count;
   }
+  e.rms = sqrt(e.rms);
   qsort(work, count, sizeof(double), ascending);
   if (count)
   {

@@ -62,12 +62,14 @@ typedef struct reference_rays
 } reference_rays;
 
 /* Opaque geometry as the engine sees it: a depth a pixel of the view, blocking light from there
- * over `thickness`. */
+ * over `thickness`; or, where there is a test for it, as it is. */
 typedef struct reference_surface
 {
   const float* depth;
   double thickness;
   double nearest; /* smallest depth: rays end there */
+  int (*contains)(const void* solid, const double at[3]);
+  const void* solid;
 } reference_surface;
 
 /* 0 when memory or the file is missing. */
@@ -120,7 +122,7 @@ chi_status reference_probe(const chi_exec* exec, chi_occlusion* engine, referenc
 
 typedef struct reference_error
 {
-  double mean, p99, max, bias;
+  double mean, rms, p99, max, bias;
 } reference_error;
 
 /* Of |visibility - exact|; `work` has room for count doubles. */

@@ -157,7 +157,7 @@ static void volume_and_geometry_shade_together(void)
     {
       bench_use(&b, &v, 4.5);
       b.frame->params.geometry_thickness = k ? 15 : 0;
-      const reference_surface surface = { b.depth, k ? 15 : 1, 40 - b.view.eye[2] };
+      const reference_surface surface = { b.depth, k ? 15 : 1, 40 - b.view.eye[2], NULL, NULL };
       size_t kept = 0;
       for (size_t i = 0; i < points.count; ++i)
       {

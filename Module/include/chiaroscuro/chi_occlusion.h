@@ -86,8 +86,9 @@ typedef struct chi_occlusion_params
     cone_angle_rad; /**< half angle of the cone of light, 1 ... 85 degrees; default 45 degrees */
   double strength;  /**< 0 = unshaded ray cast ... 1; default 1 */
   double sample_distance; /**< between slices along the view axis, world units; 0 = one voxel */
-  double bias;            /**< visibility is read so much nearer to the eye, world units; negative =
-                               1.5 voxels (default) */
+  double bias;            /**< visibility is read so much nearer to the eye, world units; negative
+                               (default) = 1.5 voxels for geometry and probes, and for matter
+                               another half voxel, or half a slice where that is longer */
   double geometry_thickness; /**< geometry blocks the light so far behind its surface, world units;
                                   0 = one slab (default), INFINITY = Algorithm 3 of the paper */
   int32_t skip;              /**< CHI_SKIP_...; default CHI_SKIP_ALL */

@@ -84,6 +84,7 @@ typedef struct chi_occlusion_plan
   int64_t group, slabs;      /**< segments a slab; slabs */
   int64_t volume_begin, volume_end; /**< slabs with samples */
   double bias;                      /**< slabs */
+  double sample_bias;               /**< of matter, counted from its segment's near slice; slabs */
   int64_t ring;                     /**< planes of visibility that are still read */
   double saturated; /**< transmittance below which a ray is done; 0 where nothing is skipped */
   double strength;
