@@ -22,16 +22,36 @@ int chi_layers_are_valid(const chi_layers_view* layers)
     (layers->count > 0 && layers->count <= CHI_MAX_LAYERS && layers->depth && layers->rgba);
 }
 
+int chi_layers_count(const chi_occlusion_frame* frame)
+{
+  const int edge = frame->surface && frame->surface->edge_depth;
+  return (frame->layers ? frame->layers->count : 0) + edge;
+}
+
 static float* layer_row(const march* m, int which, int64_t y)
 {
   return m->layer_planes + ((size_t)y * LAYER_PLANES + (size_t)which) * m->stride;
 }
 
-/* Premultiplied colour and alpha of a pixel's layer. */
-static const float* layer_color(const march* m, int layer, int64_t x, int64_t y)
+/* Place of a pixel's slot in the caller's arrays, and which these are. */
+static size_t place_of(const march* m, int slot, int64_t x, int64_t y)
 {
   const size_t width = (size_t)m->scene->width, height = (size_t)m->scene->height;
-  return m->frame->layers->rgba + 4 * (((size_t)layer * height + (size_t)y) * width + (size_t)x);
+  return ((slot == m->edge ? 0 : (size_t)slot) * height + (size_t)y) * width + (size_t)x;
+}
+
+/* Premultiplied colour and alpha. */
+static const float* layer_color(const march* m, int slot, int64_t x, int64_t y)
+{
+  return 4 * place_of(m, slot, x, y) +
+    (slot == m->edge ? m->frame->surface->edge_rgba : m->frame->layers->rgba);
+}
+
+static double layer_depth(const march* m, int slot, int64_t x, int64_t y)
+{
+  const float* const depth =
+    slot == m->edge ? m->frame->surface->edge_depth : m->frame->layers->depth;
+  return (double)depth[place_of(m, slot, x, y)];
 }
 
 static float alpha_of(const float rgba[4])
@@ -42,43 +62,44 @@ static float alpha_of(const float rgba[4])
 static void collect_row(const march* m, int64_t y)
 {
   const chi_scene* const s = m->scene;
-  const size_t pixels = (size_t)s->width * (size_t)s->height;
   const float* const surface = m->frame->surface ? picture(m, SURFACE, y) : NULL;
   float* const next = m->layer_next + (size_t)y * (size_t)m->cells_x;
   for (int64_t x = 0; x < s->width; ++x)
   {
-    float depth[CHI_MAX_LAYERS] = { INFINITY, INFINITY, INFINITY, INFINITY };
-    float before = -INFINITY;
+    float nearest = INFINITY;
     for (int k = 0; k < m->layers; ++k)
     {
       const float* const rgba = layer_color(m, k, x, y);
-      const double world =
-        (double)
-          m->frame->layers->depth[(size_t)k * pixels + (size_t)y * (size_t)s->width + (size_t)x];
+      const double world = layer_depth(m, k, x, y);
       const float here = (float)((world - s->start) / s->slice);
       const int finite =
         isfinite(rgba[0]) && isfinite(rgba[1]) && isfinite(rgba[2]) && isfinite(rgba[3]);
-      if (world > 0 && world < INFINITY && finite && here < INFINITY && rgba[3] > 0 &&
-        !(surface && here >= surface[x]))
-      {
-        before = depth[k] = fmaxf(here, before);
-      }
-    }
-    float nearest = INFINITY;
-    for (int k = 0; k < CHI_MAX_LAYERS; ++k)
-    {
-      layer_row(m, LAYER_DEPTH + k, y)[x] = depth[k];
+      const int there = world > 0 && world < INFINITY && finite && here < INFINITY && rgba[3] > 0 &&
+        !(surface && here >= surface[x]);
+      const float depth = there ? here : INFINITY;
+      layer_row(m, LAYER_DEPTH + k, y)[x] = depth;
       layer_row(m, LAYER_WEIGHT + k, y)[x] = 0;
-      for (int c = 0; c < m->scene->channels; ++c)
+      for (int c = 0; c < s->channels; ++c)
       {
-        layer_row(m, LAYER_VISIBILITY + c * CHI_MAX_LAYERS + k, y)[x] = 1;
+        layer_row(m, LAYER_VISIBILITY + c * LAYER_SLOTS + k, y)[x] = 1;
       }
-      nearest = fminf(nearest, depth[k]);
+      if (k == m->edge)
+      {
+        layer_row(m, LAYER_RECEIVER, y)[x] =
+          there ? chi_surface_receiver(s, m->frame->surface, x, y, world) : INFINITY;
+      }
+      nearest = fminf(nearest, depth);
     }
-    m->layer_first[(size_t)y * m->stride + (size_t)x] = 0;
+    m->layer_done[(size_t)y * m->stride + (size_t)x] = 0;
     float* const cell = next + x / CHI_CELL_WIDTH;
     *cell = x % CHI_CELL_WIDTH == 0 ? nearest : fminf(*cell, nearest);
   }
+}
+
+/* Depths at which a slot receives light. */
+static const float* receiver_row(const march* m, int slot, int64_t y)
+{
+  return layer_row(m, slot == m->edge ? LAYER_RECEIVER : LAYER_DEPTH + slot, y);
 }
 
 /* Step of the march that lights geometry at this depth; see chi_march_receiver_plane. */
@@ -108,7 +129,7 @@ static void collect_rows(void* data, size_t begin, size_t end)
         float* const range = steps + 2 * (x / s->scale / CHI_SEGMENT);
         for (int k = 0; k < m->layers; ++k)
         {
-          const float depth = layer_row(m, LAYER_DEPTH + k, y)[x];
+          const float depth = receiver_row(m, k, y)[x];
           if (depth < INFINITY)
           {
             range[0] = fminf(range[0], step_of(m, depth));
@@ -134,7 +155,7 @@ chi_status chi_layers_plan(march* m)
   m->layer_planes = (float*)m->keep->layers.data;
   m->layer_next = m->layer_planes + LAYER_PLANES * m->plane;
   m->layer_steps = m->layer_next + next;
-  m->layer_first = (uint8_t*)m->keep->layer_flags.data;
+  m->layer_done = (uint8_t*)m->keep->layer_flags.data;
   return chi_for(m->exec, (size_t)m->scene->light_height, collect_rows, m);
 }
 
@@ -142,14 +163,14 @@ static void light_row(const march* m, int64_t y, const int64_t columns[2], float
 {
   for (int k = 0; k < m->layers; ++k)
   {
-    const float* const depth = layer_row(m, LAYER_DEPTH + k, y);
+    const float* const depth = receiver_row(m, k, y);
     for (int64_t x = columns[0]; x < columns[1]; ++x)
     {
       if (depth[x] < INFINITY && step_of(m, depth[x]) >= first && step_of(m, depth[x]) <= last)
       {
         for (int c = 0; c < m->scene->channels; ++c)
         {
-          layer_row(m, LAYER_VISIBILITY + c * CHI_MAX_LAYERS + k, y)[x] =
+          layer_row(m, LAYER_VISIBILITY + c * LAYER_SLOTS + k, y)[x] =
             (float)chi_march_visibility(m, c, (double)depth[x], x, y);
         }
       }
@@ -190,22 +211,34 @@ void chi_layers_light_rest(void* data, size_t begin, size_t end)
   }
 }
 
+/* The nearest slot of a pixel that is not done, or -1; its depth. */
+static int next_slot(const march* m, uint8_t done, int64_t x, int64_t y, float* depth)
+{
+  int next = -1;
+  *depth = INFINITY;
+  for (int k = 0; k < m->layers; ++k)
+  {
+    const float at = layer_row(m, LAYER_DEPTH + k, y)[x];
+    if (!(done >> k & 1) && at < *depth)
+    {
+      next = k;
+      *depth = at;
+    }
+  }
+  return next;
+}
+
 /* Blend the layers of a pixel that lie nearer than `depth` where nothing absorbs in between. */
 static void pass_layers(march* m, int64_t x, int64_t y, float depth, float* transmittance)
 {
-  uint8_t* const first = m->layer_first + (size_t)y * m->stride + (size_t)x;
-  for (; *first < m->layers; ++*first)
+  uint8_t* const done = m->layer_done + (size_t)y * m->stride + (size_t)x;
+  float at;
+  for (int k = next_slot(m, *done, x, y, &at); k >= 0 && at <= depth;
+       k = next_slot(m, *done, x, y, &at))
   {
-    const float at = layer_row(m, LAYER_DEPTH + *first, y)[x];
-    if (at < INFINITY)
-    {
-      if (at > depth)
-      {
-        return;
-      }
-      layer_row(m, LAYER_WEIGHT + *first, y)[x] = *transmittance;
-      *transmittance *= 1 - alpha_of(layer_color(m, *first, x, y));
-    }
+    layer_row(m, LAYER_WEIGHT + k, y)[x] = *transmittance;
+    *transmittance *= 1 - alpha_of(layer_color(m, k, x, y));
+    *done |= (uint8_t)(1 << k);
   }
 }
 
@@ -249,25 +282,19 @@ static void split_segment(march* m, chi_sample_row* row, int64_t x, int64_t y)
   stop = row->surface ? fminf(stop, row->surface[x]) : stop;
   const float before = layer_row(m, LAYER_RED + 3, y)[x], after = row->transmittance[x];
   const float absorbed = before - after;
-  uint8_t* const first = m->layer_first + (size_t)y * m->stride + (size_t)x;
+  uint8_t* const done = m->layer_done + (size_t)y * m->stride + (size_t)x;
   float through = 1, last = before, kept = 0; /* share of the segment's colour */
-  for (; *first < m->layers; ++*first)
+  float at;
+  for (int k = next_slot(m, *done, x, y, &at); k >= 0 && at < far;
+       k = next_slot(m, *done, x, y, &at))
   {
-    const float at = layer_row(m, LAYER_DEPTH + *first, y)[x];
-    if (!(at < INFINITY))
-    {
-      continue;
-    }
-    if (at >= far)
-    {
-      break;
-    }
     const float f = at <= start || !(stop > start) ? 0 : fminf((at - start) / (stop - start), 1);
     const float here = absorbed > 0 ? before * powf(after / before, f) : before;
     kept += absorbed > 0 ? through * (last - here) / absorbed : 0;
-    layer_row(m, LAYER_WEIGHT + *first, y)[x] = through * here;
-    through *= 1 - alpha_of(layer_color(m, *first, x, y));
+    layer_row(m, LAYER_WEIGHT + k, y)[x] = through * here;
+    through *= 1 - alpha_of(layer_color(m, k, x, y));
     last = here;
+    *done |= (uint8_t)(1 << k);
   }
   if (!(absorbed > 0))
   {
@@ -298,12 +325,10 @@ void chi_layers_after(march* m, chi_sample_row* row, int64_t y, int first_cell, 
     const int64_t x0 = (int64_t)cell * CHI_CELL_WIDTH;
     for (int64_t x = x0; x < x0 + CHI_CELL_WIDTH && x < m->scene->width; ++x)
     {
-      const uint8_t* const first = m->layer_first + (size_t)y * m->stride + (size_t)x;
+      float depth;
       split_segment(m, row, x, y);
-      for (int k = *first; k < m->layers; ++k)
-      {
-        next[cell] = fminf(next[cell], layer_row(m, LAYER_DEPTH + k, y)[x]);
-      }
+      next_slot(m, m->layer_done[(size_t)y * m->stride + (size_t)x], x, y, &depth);
+      next[cell] = fminf(next[cell], depth);
     }
   }
 }
@@ -326,7 +351,7 @@ void chi_layers_finish(void* data, size_t begin, size_t end)
         {
           for (int c = 0; c < 3; ++c)
           {
-            const int plane = LAYER_VISIBILITY + m->scene->channel_of[c] * CHI_MAX_LAYERS + k;
+            const int plane = LAYER_VISIBILITY + m->scene->channel_of[c] * LAYER_SLOTS + k;
             const float light = 1 - m->strength * (1 - layer_row(m, plane, y)[x]);
             picture(m, RED + c, y)[x] += weight * light * layer_color(m, k, x, y)[c];
           }

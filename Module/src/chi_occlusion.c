@@ -37,6 +37,7 @@ typedef struct frame_key
   double clip_planes[4 * CHI_MAX_CLIP_PLANES], crop_planes[24];
   const void* depth;
   const void* layers[2];
+  const void* edges[3];
   uint64_t surface_version, layers_version;
   double lights[11]; /* directions, the second one's cone and share, attenuation */
   chi_shading_key shading;
@@ -197,12 +198,17 @@ static int params_are_valid(const chi_occlusion_params* p)
     p->skip >= 0;
 }
 
+static int surface_is_valid(const chi_surface_view* s)
+{
+  return !s || (s->depth && !s->edge_depth == !s->edge_rgba);
+}
+
 static chi_status check_frame(const chi_occlusion_frame* frame)
 {
   if (!frame || !camera_is_valid(frame->camera) || !params_are_valid(frame->params) ||
-    (frame->volume && !transfer_is_valid(frame->transfer)) ||
-    (frame->surface && !frame->surface->depth) || !chi_layers_are_valid(frame->layers) ||
-    !chi_shading_is_valid(frame->shading) || frame->clip_plane_count > CHI_MAX_CLIP_PLANES ||
+    (frame->volume && !transfer_is_valid(frame->transfer)) || !surface_is_valid(frame->surface) ||
+    !chi_layers_are_valid(frame->layers) || !chi_shading_is_valid(frame->shading) ||
+    frame->clip_plane_count > CHI_MAX_CLIP_PLANES ||
     (frame->clip_plane_count &&
       !(frame->clip_planes && all_finite(frame->clip_planes, 4 * (int)frame->clip_plane_count))) ||
     (frame->crop && !all_finite(frame->crop->planes[0], 24)) ||
@@ -286,6 +292,9 @@ static frame_key key_of_frame(const chi_occlusion_frame* frame)
   {
     key.depth = frame->surface->depth;
     key.surface_version = frame->surface->version;
+    key.edges[0] = frame->surface->end;
+    key.edges[1] = frame->surface->edge_depth;
+    key.edges[2] = frame->surface->edge_rgba;
   }
   if (frame->layers)
   {
@@ -302,21 +311,30 @@ static frame_key key_of_frame(const chi_occlusion_frame* frame)
   return key;
 }
 
-/* Nearest and farthest surface depth; INFINITY and -INFINITY without any. */
-static void surface_extent(const chi_occlusion_frame* frame, double extent[2])
+static void widen_extent(const float* depth, size_t count, double extent[2])
 {
-  extent[0] = INFINITY;
-  extent[1] = -INFINITY;
-  const size_t count =
-    frame->surface ? (size_t)frame->camera->width * (size_t)frame->camera->height : 0;
-  for (size_t i = 0; i < count; ++i)
+  for (size_t i = 0; i < count && depth; ++i)
   {
-    const double z = (double)frame->surface->depth[i];
+    const double z = (double)depth[i];
     if (z > 0 && z < INFINITY)
     {
       extent[0] = z < extent[0] ? z : extent[0];
       extent[1] = z > extent[1] ? z : extent[1];
     }
+  }
+}
+
+/* Nearest and farthest surface depth; INFINITY and -INFINITY without any. */
+static void surface_extent(const chi_occlusion_frame* frame, double extent[2])
+{
+  extent[0] = INFINITY;
+  extent[1] = -INFINITY;
+  const size_t count = (size_t)frame->camera->width * (size_t)frame->camera->height;
+  if (frame->surface)
+  {
+    widen_extent(frame->surface->depth, count, extent);
+    widen_extent(frame->surface->end, count, extent);
+    widen_extent(frame->surface->edge_depth, count, extent);
   }
 }
 

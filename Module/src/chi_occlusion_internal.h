@@ -152,8 +152,14 @@ chi_status chi_surface_intervals(const chi_exec* exec, const chi_scene* scene,
   const chi_surface_view* surface, double thickness, size_t stride, size_t padded,
   float* slice_depth, float* receiver, float* begin, float* end);
 
+/* Depth in slices from which the bias counts for a surface at this depth of a pixel. */
+float chi_surface_receiver(
+  const chi_scene* scene, const chi_surface_view* surface, int64_t x, int64_t y, double depth);
+
 /* Whether these layers can be drawn; none at all can. */
 int chi_layers_are_valid(const chi_layers_view* layers);
+/* Layers a pixel at most, with a surface's edge. */
+int chi_layers_count(const chi_occlusion_frame* frame);
 
 enum
 {

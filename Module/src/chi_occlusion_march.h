@@ -36,11 +36,13 @@ enum
   BLOCK_END,
   SURFACE_VISIBILITY,
   PICTURE_PLANES,
-  LAYER_DEPTH = 0, /* of chi_march.layers, CHI_MAX_LAYERS each: slices; INFINITY: none */
-  LAYER_WEIGHT = LAYER_DEPTH + CHI_MAX_LAYERS,       /* transmittance in front of the layer */
-  LAYER_VISIBILITY = LAYER_WEIGHT + CHI_MAX_LAYERS,  /* before strength; a channel */
-  LAYER_RED = LAYER_VISIBILITY + 3 * CHI_MAX_LAYERS, /* and green, blue, transmittance: */
-  LAYER_PLANES = LAYER_RED + 4,                      /* a row before it is sampled */
+  LAYER_SLOTS = CHI_MAX_LAYERS + 1, /* a surface's edge is one more */
+  LAYER_DEPTH = 0,                  /* of chi_march.layers, a slot each: slices; INFINITY: none */
+  LAYER_WEIGHT = LAYER_DEPTH + LAYER_SLOTS,            /* transmittance in front of the layer */
+  LAYER_VISIBILITY = LAYER_WEIGHT + LAYER_SLOTS,       /* before strength; a channel */
+  LAYER_RECEIVER = LAYER_VISIBILITY + 3 * LAYER_SLOTS, /* depth from which the edge's bias counts */
+  LAYER_RED = LAYER_RECEIVER + 1,                      /* and green, blue, transmittance: */
+  LAYER_PLANES = LAYER_RED + 4,                        /* a row before it is sampled */
   ROW_TINT = 0,     /* of chi_march.tint, where there are more channels than one: the second and */
   SURFACE_TINT = 2, /* third channel's ROW_VISIBILITY, SURFACE_VISIBILITY */
   TINT_PLANES = 4,
@@ -113,11 +115,12 @@ typedef struct march
   light_step* steps;  /* [slabs] */
   int64_t* order;     /* [tickets][2] block, band */
   atomic_uchar* done; /* [blocks][bands] */
-  int layers;         /* translucent ones a pixel at most; 0: the next four are not there */
-  float* layer_planes;  /* [rows][LAYER_PLANES][stride] */
-  float* layer_next;    /* [rows][cells_x] depth of the nearest layer that is not blended yet */
-  float* layer_steps;   /* [light rows][segments][2] first and last step that lights a layer */
-  uint8_t* layer_first; /* [rows][stride] layers of a pixel that are blended */
+  int layers;         /* slots in use: translucent ones, then the edge; 0: the next are not there */
+  int edge;           /* slot of the edge, or -1 */
+  float* layer_planes; /* [rows][LAYER_PLANES][stride] */
+  float* layer_next;   /* [rows][cells_x] depth of the nearest layer that is not blended yet */
+  float* layer_steps;  /* [light rows][segments][2] first and last step that lights a layer */
+  uint8_t* layer_done; /* [rows][stride] bits: slots of a pixel that are blended */
   int fields;
   int surface_field;
   int skip; /* CHI_SKIP_... kinds that are on */

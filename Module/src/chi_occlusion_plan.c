@@ -157,7 +157,7 @@ void chi_frame_fields(const chi_occlusion_frame* frame, chi_frame_light* light)
   light->volume[0] = to_volume[0];
   light->geometry[0] = to_volume[1];
   light->fields = to_volume[0] || to_volume[1];
-  const int receives = has_surface || (frame->layers && frame->layers->count > 0);
+  const int receives = has_surface || (chi_layers_count(frame) > 0);
   if (receives && (to_surface[0] != to_volume[0] || to_surface[1] != to_volume[1]))
   {
     light->volume[1] = to_surface[0];

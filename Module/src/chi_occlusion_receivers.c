@@ -31,11 +31,14 @@ void chi_march_gather_ranges(void* data, size_t begin, size_t end)
         for (int64_t x = x0; x < x0 + CHI_SEGMENT * s->scale && x < s->width; ++x)
         {
           const float depth = picture(m, RECEIVER, y)[x];
+          if (picture(m, BLOCK_BEGIN, y)[x] < INFINITY)
+          {
+            range[0] = fminf(range[0], picture(m, BLOCK_BEGIN, y)[x]);
+            range[1] = fmaxf(range[1], picture(m, BLOCK_END, y)[x]);
+          }
           if (depth < INFINITY)
           {
             const float step = (float)(floor(chi_march_receiver_plane(s, (double)depth)) + 2);
-            range[0] = fminf(range[0], picture(m, BLOCK_BEGIN, y)[x]);
-            range[1] = fmaxf(range[1], picture(m, BLOCK_END, y)[x]);
             range[2] = fminf(range[2], step);
             range[3] = fmaxf(range[3], step);
           }

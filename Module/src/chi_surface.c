@@ -17,6 +17,11 @@ typedef struct interval_job
   float* end;
 } interval_job;
 
+static double to_slabs(const chi_scene* s, double depth)
+{
+  return depth > 0 && depth < INFINITY ? (depth - s->start) / s->slab : INFINITY;
+}
+
 /* Depth of a pixel in slabs; INFINITY without surface or outside the picture. */
 static double depth_at(const interval_job* it, int64_t x, int64_t y)
 {
@@ -25,8 +30,7 @@ static double depth_at(const interval_job* it, int64_t x, int64_t y)
   {
     return INFINITY;
   }
-  const double depth = (double)it->surface->depth[x + (int64_t)s->width * y];
-  return depth > 0 && depth < INFINITY ? (depth - s->start) / s->slab : INFINITY;
+  return to_slabs(s, (double)it->surface->depth[x + (int64_t)s->width * y]);
 }
 
 /*
@@ -86,6 +90,13 @@ static double receiving_depth(const interval_job* it, int64_t x, int64_t y, doub
   return depth - 1.5 * it->scene->scale * (rise[0] + rise[1]);
 }
 
+float chi_surface_receiver(
+  const chi_scene* scene, const chi_surface_view* surface, int64_t x, int64_t y, double depth)
+{
+  const interval_job job = { .scene = scene, .surface = surface };
+  return (float)(receiving_depth(&job, x, y, to_slabs(scene, depth)) * (double)scene->group);
+}
+
 static void row_intervals(void* data, size_t first, size_t last)
 {
   const interval_job* const it = (const interval_job*)data;
@@ -96,21 +107,26 @@ static void row_intervals(void* data, size_t first, size_t last)
     {
       const size_t at = y * it->stride + (size_t)x;
       const double depth = depth_at(it, x, (int64_t)y);
-      it->slice_depth[at] = (float)(depth * (double)s->group);
+      const double end =
+        it->surface->end ? to_slabs(s, (double)it->surface->end[x + (int64_t)y * s->width]) : depth;
+      it->slice_depth[at] = (float)(end * (double)s->group);
       it->receiver[at] = it->begin[at] = it->end[at] = INFINITY;
+      if (end < INFINITY)
+      {
+        it->receiver[at] = (float)(receiving_depth(it, x, (int64_t)y, end) * (double)s->group);
+      }
       if (depth < INFINITY)
       {
-        it->receiver[at] = (float)(receiving_depth(it, x, (int64_t)y, depth) * (double)s->group);
         /* Two pixels of one steep surface lie slabs apart: each closes the way to the deeper one,
          * and, where they share a light pixel, from the nearer one, so that their mean closes all
          * of it. */
         double range[2] = { depth, depth };
         widen(it, x, (int64_t)y, depth, range);
         double begin = s->scale > 1 ? range[0] : depth;
-        double end = range[1] + it->thickness;
+        const double beyond = range[1] + it->thickness;
         begin = begin > 0 ? begin : 0;
         it->begin[at] = (float)begin;
-        it->end[at] = (float)(end > begin ? end : begin);
+        it->end[at] = (float)(beyond > begin ? beyond : begin);
       }
     }
     for (size_t x = (size_t)s->width; x < it->padded; ++x)

@@ -17,6 +17,7 @@ typedef struct vicinity_job
   const chi_exec* exec;
   const chi_scene* scene;
   const float* depth;
+  const float* end;
   const chi_occlusion_params* params;
   double pixels[2]; /* pixels a world unit (parallel), or a unit of slope */
   double radius[2]; /* of each light's base of its cone, world units */
@@ -97,8 +98,9 @@ static void combine_rows(void* data, size_t begin, size_t end)
   {
     for (int64_t x = 0; x < width; ++x)
     {
-      const double z = depth_at(it, x, y);
-      if (z < INFINITY)
+      const float* const receiver = it->end ? it->end : it->depth;
+      const double z = (double)receiver[x + y * width];
+      if (z > 0 && z < INFINITY)
       {
         float* const v = it->visibility + it->colors * (size_t)(y * width + x);
         const double near = vicinity(it, x, y, z);
@@ -145,6 +147,7 @@ chi_status chi_vicinity(const chi_exec* exec, const chi_scene* scene,
   vicinity_job job = { .exec = exec,
     .scene = scene,
     .depth = surface->depth,
+    .end = surface->end,
     .params = params,
     .pixels = { scene->pixels_x * scene->scale, scene->pixels_y * scene->scale },
     .visibility = visibility,

@@ -91,7 +91,8 @@ __attribute__((unused)) static scene* make_scene(
   {
     s->depth[i] = i % WIDTH < 20 ? 95 : 130;
   }
-  s->surface = (chi_surface_view){ sizeof s->surface, s->depth, 1 };
+  s->surface =
+    (chi_surface_view){ .struct_size = sizeof s->surface, .depth = s->depth, .version = 1 };
   chi_occlusion_default_params(&s->params);
   s->params.sample_distance = 1;
   s->params.bias = 1.5;

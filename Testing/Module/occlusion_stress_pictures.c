@@ -72,7 +72,8 @@ static int restart(scene* s, int parallel)
   }
   memcpy(s->depth, s->depth0, PIXELS * sizeof *s->depth);
   f->params.bias = -1;
-  f->surface = (chi_surface_view){ sizeof f->surface, s->depth, 1 };
+  f->surface =
+    (chi_surface_view){ .struct_size = sizeof f->surface, .depth = s->depth, .version = 1 };
   f->frame.surface = &f->surface;
   const int ok = draw(s, s->kept);
   memcpy(s->original, f, sizeof *f);

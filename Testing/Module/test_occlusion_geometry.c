@@ -46,7 +46,9 @@ static void bench_use(bench* b, const reference_volume* volume, double range)
 {
   static uint64_t version = 0;
   reference_frame_init(b->frame, volume, &b->view, range);
-  b->frame->surface = (chi_surface_view){ sizeof b->frame->surface, b->depth, ++version };
+  b->frame->surface = (chi_surface_view){
+    .struct_size = sizeof b->frame->surface, .depth = b->depth, .version = ++version
+  };
   b->frame->volume.version = version;
   b->frame->frame.surface = &b->frame->surface;
 }

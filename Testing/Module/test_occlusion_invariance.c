@@ -62,7 +62,9 @@ static int scene_create(scene* s, int parallel)
       s->depth[i] = i % WIDTH < 40 ? (float)(58 + 0.3 * (i % WIDTH)) : INFINITY;
     }
     s->frame->params.bias = -1;
-    s->frame->surface = (chi_surface_view){ sizeof s->frame->surface, s->depth, 1 };
+    s->frame->surface = (chi_surface_view){
+      .struct_size = sizeof s->frame->surface, .depth = s->depth, .version = 1
+    };
     s->frame->frame.surface = &s->frame->surface;
   }
   return ok;

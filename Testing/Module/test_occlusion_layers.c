@@ -69,7 +69,8 @@ static scene* make_scene(int parallel, int fog)
     .range = { 0.4, 1 },
     .unit_distance = 1,
     .version = 1 };
-  s->surface = (chi_surface_view){ sizeof s->surface, s->depth, 1 };
+  s->surface =
+    (chi_surface_view){ .struct_size = sizeof s->surface, .depth = s->depth, .version = 1 };
   s->layers = (chi_layers_view){
     .struct_size = sizeof s->layers, .depth = s->layer_depth, .rgba = s->layer_rgba, .version = 1
   };
@@ -373,16 +374,131 @@ static void what_is_no_layer_changes_no_bit(void)
   free_scene(s);
 }
 
-static void layers_that_are_not_sorted_count_as_at_the_one_before(void)
+static void layers_come_in_any_order(void)
 {
   scene* const s = make_scene(1, 0);
   s->layers.count = 2;
   set_layer(s, 0, 101, red, 0.5f);
   set_layer(s, 1, 95, s->rgb, 0.5f);
   float* const unsorted = render_copy(s);
-  set_layer(s, 1, 101, s->rgb, 0.5f);
-  CHECK(memcmp(unsorted, render(s).rgba, 4 * PIXELS * sizeof *unsorted) == 0);
+  set_layer(s, 1, 101, red, 0.5f);
+  set_layer(s, 0, 95, s->rgb, 0.5f);
+  const float* const sorted = render(s).rgba;
+  double worst = 0;
+  for (int i = 0; i < 4 * PIXELS; ++i)
+  {
+    worst = fmax(worst, fabs((double)unsorted[i] - (double)sorted[i]));
+  }
+  CHECK_NEAR(worst, 0, 1e-6); /* colours are added in the order of the arrays */
   free(unsorted);
+  free_scene(s);
+}
+
+/* Edges use the layers' arrays here, and have the surface's depth. */
+static void use_edges(scene* s, float share, float end)
+{
+  static float ends[PIXELS];
+  for (int i = 0; i < PIXELS; ++i)
+  {
+    ends[i] = end;
+    s->layer_depth[i] = s->depth[i];
+    for (int c = 0; c < 4; ++c)
+    {
+      s->layer_rgba[4 * i + c] = share * (c < 3 ? red[c] : 1);
+    }
+  }
+  s->frame.surface = &s->surface;
+  s->surface.end = ends;
+  s->surface.edge_depth = s->layer_depth;
+  s->surface.edge_rgba = s->layer_rgba;
+}
+
+static void a_part_of_a_pixel_is_that_part_of_both_pictures(void)
+{
+  for (int parallel = 0; parallel < 2; ++parallel)
+  {
+    scene* const s = make_scene(parallel, 0);
+    for (int i = 0; i < PIXELS; ++i)
+    {
+      s->depth[i] = 85 + (float)(i % 37) * 0.6f;
+    }
+    s->frame.surface = &s->surface;
+    float* const near = render_copy(s);
+    use_edges(s, 0.25f, 111);
+    float* const both = render_copy(s);
+    s->surface.edge_depth = s->surface.edge_rgba = NULL;
+    const float* const far = render(s).rgba;
+    double worst = 0;
+    for (int i = 0; i < 4 * PIXELS; ++i)
+    {
+      const double hit = (1 - (double)near[i / 4 * 4 + 3]) * (i % 4 < 3 ? (double)red[i % 4] : 1);
+      const double expected = 0.25 * ((double)near[i] + hit) + 0.75 * (double)far[i];
+      worst = fmax(worst, fabs(expected - (double)both[i]));
+    }
+    CHECK_NEAR(worst, 0, 3e-5);
+    free(near);
+    free(both);
+    free_scene(s);
+  }
+}
+
+/* A tilted surface blocks its own light but for the rise that the receiver's depth allows for. */
+static void an_edge_receives_as_the_surface_that_it_is_part_of(void)
+{
+  scene* const s = make_scene(0, 0);
+  memset(s->rgb, 0, sizeof s->rgb);
+  s->params.strength = 1;
+  s->params.vicinity_samples = 0;
+  for (int i = 0; i < PIXELS; ++i)
+  {
+    s->depth[i] = 92 + (float)(i % WIDTH) * 0.2f;
+  }
+  s->frame.surface = &s->surface;
+  float* const alpha = render_copy(s);
+  float visibility[PIXELS];
+  memcpy(visibility, render(s).visibility, sizeof visibility);
+  use_edges(s, 1, INFINITY);
+  const chi_occlusion_image image = render(s);
+  double worst = 0, darkest = 1;
+  for (int i = 0; i < PIXELS; ++i)
+  {
+    const double front = 1 - (double)alpha[4 * i + 3];
+    const double expected = front * (double)visibility[i] * (double)red[0];
+    worst = fmax(worst, fabs(expected - (double)image.rgba[4 * i]));
+    darkest = fmin(darkest, (double)visibility[i]);
+    CHECK(image.visibility[i] == 1); /* nothing behind it */
+  }
+  CHECK_NEAR(worst, 0, 3e-5);
+  CHECK(darkest < 0.9);
+  free(alpha);
+  free_scene(s);
+}
+
+static void edges_sort_in_with_layers(void)
+{
+  scene* const s = make_scene(1, 0);
+  set_random_layers(s, 4, 0.3f);
+  float* const layers = render_copy(s);
+  /* the third layer as an edge */
+  float depth[PIXELS], rgba[4 * PIXELS], none[PIXELS];
+  memcpy(depth, s->layer_depth + 2 * PIXELS, sizeof depth);
+  memcpy(rgba, s->layer_rgba + 8 * PIXELS, sizeof rgba);
+  for (int i = 0; i < PIXELS; ++i)
+  {
+    s->layer_depth[2 * PIXELS + i] = none[i] = INFINITY;
+  }
+  s->surface = (chi_surface_view){
+    .struct_size = sizeof s->surface, .depth = none, .edge_depth = depth, .edge_rgba = rgba
+  };
+  s->frame.surface = &s->surface;
+  const float* const mixed = render(s).rgba;
+  double worst = 0;
+  for (int i = 0; i < 4 * PIXELS; ++i)
+  {
+    worst = fmax(worst, fabs((double)layers[i] - (double)mixed[i]));
+  }
+  CHECK_NEAR(worst, 0, 3e-5);
+  free(layers);
   free_scene(s);
 }
 
@@ -476,6 +592,10 @@ static void bad_layers_are_an_invalid_argument(void)
   s->layers.rgba = NULL;
   CHECK(chi_occlusion_render(NULL, s->engine, &s->frame) == CHI_ERROR_INVALID_ARGUMENT);
   s->layers.rgba = s->layer_rgba;
+  s->frame.surface = &s->surface;
+  s->surface.edge_depth = s->layer_depth; /* without colours */
+  CHECK(chi_occlusion_render(NULL, s->engine, &s->frame) == CHI_ERROR_INVALID_ARGUMENT);
+  s->surface.edge_depth = NULL;
   CHECK(chi_occlusion_render(NULL, s->engine, &s->frame) == CHI_OK);
   free_scene(s);
 }
@@ -488,7 +608,10 @@ int main(void)
   a_layer_receives_the_light_that_a_surface_receives_there();
   layers_at_or_behind_the_surface_are_hidden();
   what_is_no_layer_changes_no_bit();
-  layers_that_are_not_sorted_count_as_at_the_one_before();
+  layers_come_in_any_order();
+  a_part_of_a_pixel_is_that_part_of_both_pictures();
+  an_edge_receives_as_the_surface_that_it_is_part_of();
+  edges_sort_in_with_layers();
   without_a_volume_layers_are_blended_alone();
   skipping_changes_nothing_visible();
   any_schedule_gives_the_same_bits();

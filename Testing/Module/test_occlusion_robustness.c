@@ -43,7 +43,9 @@ static int scene_create(scene* s, const size_t n[3], int pixels)
     {
       s->depth[i] = i % 3 ? 42.0f : INFINITY;
     }
-    s->frame->surface = (chi_surface_view){ sizeof s->frame->surface, s->depth, 1 };
+    s->frame->surface = (chi_surface_view){
+      .struct_size = sizeof s->frame->surface, .depth = s->depth, .version = 1
+    };
     s->frame->frame.surface = &s->frame->surface;
     const double p[3] = { 0.5 * pixels, 0.5 * pixels, 41 };
     memcpy(s->probe, p, sizeof p);

@@ -16,7 +16,15 @@ typedef struct chi_surface_view
   size_t struct_size;
   const float* depth; /**< [height x width] depth as in chi_camera, world units; +infinity, or
                          anything that is not a positive number, where there is no surface */
-  uint64_t version;   /**< differs whenever the depths do */
+  uint64_t version;   /**< differs whenever anything here does */
+  /** Pixels that a surface covers in part, for anti-aliased silhouettes; all NULL: none. The part
+   * `edge` is blended like a translucent layer, and receives light; the ray goes on behind it, to
+   * `end`. `depth` still is what blocks light. */
+  const float* end;        /**< [height x width] where rays end; NULL: at `depth`. The visibility of
+                              the picture is that of the surface there */
+  const float* edge_depth; /**< [height x width] of the part; none where chi_layers_view has none */
+  const float* edge_rgba;  /**< [height x width x 4] of the part: colour premultiplied by the share
+                              of the pixel that it covers, and this share */
 } chi_surface_view;
 
 enum
@@ -29,9 +37,9 @@ enum
 typedef struct chi_layers_view
 {
   size_t struct_size;
-  const float* depth; /**< [count x height x width] depth as in chi_surface_view, nearest layer
-                         first; no layer where it is not a positive number, infinite, or not in
-                         front of the surface. One nearer than the layer before counts as there */
+  const float* depth; /**< [count x height x width] depth as in chi_surface_view, in any
+                         order; no layer where it is not a positive number, infinite, or not in
+                         front of the surface (of its `end`); of equal ones the first is in front */
   const float* rgba;  /**< [count x height x width x 4] colour premultiplied by alpha, and alpha 0
                          ... 1; what is not finite is no layer */
   uint64_t version;   /**< differs whenever depths or colours do */
