@@ -100,7 +100,7 @@ bool vtkChiCombinedOcclusionVolumeMapper::GetFloatImage(vtkImageData* image)
           from.visibility_rgb ? from.visibility_rgb[3 * pixel + c] : from.visibility[pixel];
         target[c] += through * (visibility * (lit[c] - highlight) + highlight);
       }
-      target[3] = 1.0f;
+      target[3] = 1.0f - through * (1.0f - lit[3]); // a share of the pixel, where multisampled
     }
   }
   return true;
@@ -290,6 +290,7 @@ void vtkChiCombinedOcclusionVolumeMapper::PrintSelf(ostream& os, vtkIndent inden
   os << indent << "VolumeToGeometry: " << this->VolumeToGeometry << "\n";
   os << indent << "GeometryToVolume: " << this->GeometryToVolume << "\n";
   os << indent << "GeometryToGeometry: " << this->GeometryToGeometry << "\n";
+  os << indent << "GeometryAntiAliasing: " << this->GeometryAntiAliasing << "\n";
   os << indent << "Skipping: " << this->Skipping << "\n";
   os << indent << "SkippingMask: " << this->SkippingMask << "\n";
 }

@@ -341,7 +341,19 @@ void vtkChiCombinedOcclusionVolumeMapper::Surface(vtkRenderer* renderer)
   {
     geometry->Forget();
   }
-  geometry->Update(renderer, in.Camera, in.Viewport[2], in.Viewport[3]);
+  const bool samples = this->GeometryAntiAliasing == GEOMETRY_MULTISAMPLE ||
+    this->GeometryAntiAliasing == GEOMETRY_MULTISAMPLE_AND_FXAA;
+  if (in.First)
+  {
+    in.Frame->SetMultiSample(samples);
+  }
+  if (samples && !in.Frame->IsStock())
+  {
+    this->SayOnce("geometry cannot be multisampled where the renderer has a render pass, shadows, "
+                  "screen-space occlusion or hidden line removal: its edges are as VTK draws them");
+  }
+  const bool can = samples && geometry->IsHiding();
+  geometry->Update(renderer, in.Camera, in.Viewport[2], in.Viewport[3], can);
   if (in.First)
   {
     vtkChiTranslucentLayers* layers = in.Frame->GetTranslucent();
@@ -387,7 +399,10 @@ bool vtkChiCombinedOcclusionVolumeMapper::RenderEngine()
   frame.camera = in.Camera.Get();
   frame.volume = in.HasVolume ? in.Input.GetVolume() : nullptr;
   frame.transfer = in.HasVolume ? in.Input.GetTransfer() : nullptr;
-  frame.surface = surface;
+  // the share of a pixel that an edge covers is drawn once
+  chi_surface_view whole = surface ? *surface : chi_surface_view{};
+  whole.end = whole.edge_depth = whole.edge_rgba = nullptr;
+  frame.surface = surface && !in.First ? &whole : surface;
   frame.layers = layers;
   frame.shading = in.HasVolume ? in.Input.GetShading()->GetShading() : nullptr;
   frame.params = &in.Params;
@@ -440,6 +455,10 @@ void vtkChiCombinedOcclusionVolumeMapper::Composite(vtkRenderer* renderer, vtkVo
   picture.Surface = geometry->GetView() ? geometry->GetColor() : nullptr;
   picture.Specular = merge && !in.Merged.empty() ? nullptr : geometry->GetSpecular();
   picture.First = in.First;
+  picture.Hidden = geometry->IsHiding();
+  picture.Smooth = (this->GeometryAntiAliasing == GEOMETRY_FXAA ||
+                     this->GeometryAntiAliasing == GEOMETRY_MULTISAMPLE_AND_FXAA) &&
+    in.Frame->GetNumberOfLayers() >= countOcclusionVolumes(renderer);
   picture.Layered = in.Frame->GetTranslucent()->IsHiding();
   picture.Peeling = in.Peeling;
   if (!in.Compositor.Draw(renderer, picture))

@@ -103,6 +103,13 @@ public:
     SKIP_UNCHANGED = 256,       // stages whose sources have not changed since the frame before
     SKIP_EVERY_KIND = 510
   };
+  enum GeometryAntiAliasings
+  {
+    GEOMETRY_ALIASED = 0,
+    GEOMETRY_MULTISAMPLE = 1,
+    GEOMETRY_FXAA = 2,
+    GEOMETRY_MULTISAMPLE_AND_FXAA = 3
+  };
   enum Engines
   {
     ENGINE_AUTO = 0,
@@ -324,6 +331,30 @@ public:
 
   ///@{
   /**
+   * Anti-aliasing of the opaque geometry's silhouettes, against volume and background alike. None,
+   * the default: one sample a pixel. MultiSample: up to eight, of which each pixel keeps two
+   * surfaces, the nearest and what is behind it, each with its own volume in front and light of its
+   * own; all colours of geometry then come from the private buffer, and the renderer's own drawing
+   * writes depth alone. FXAA: vtkOpenGLFXAAFilter, set by the renderer's vtkFXAAOptions, over all
+   * that the viewport holds after the last volume; not in a frame buffer of several samples. Line
+   * widths and the light that geometry blocks stay as they are.
+   */
+  vtkSetClampMacro(GeometryAntiAliasing, int, GEOMETRY_ALIASED, GEOMETRY_MULTISAMPLE_AND_FXAA);
+  vtkGetMacro(GeometryAntiAliasing, int);
+  void SetGeometryAntiAliasingToNone() { this->SetGeometryAntiAliasing(GEOMETRY_ALIASED); }
+  void SetGeometryAntiAliasingToMultiSample()
+  {
+    this->SetGeometryAntiAliasing(GEOMETRY_MULTISAMPLE);
+  }
+  void SetGeometryAntiAliasingToFXAA() { this->SetGeometryAntiAliasing(GEOMETRY_FXAA); }
+  void SetGeometryAntiAliasingToMultiSampleAndFXAA()
+  {
+    this->SetGeometryAntiAliasing(GEOMETRY_MULTISAMPLE_AND_FXAA);
+  }
+  ///@}
+
+  ///@{
+  /**
    * Which engine renders. Auto, the default, is the CPU engine; the OpenGL engine does not exist
    * yet, asking for it gives an error message and the CPU engine.
    */
@@ -489,6 +520,7 @@ protected:
   bool VolumeToGeometry = true;
   bool GeometryToVolume = true;
   bool GeometryToGeometry = true;
+  int GeometryAntiAliasing = GEOMETRY_ALIASED;
   bool Skipping = true;
   int SkippingMask = SKIP_EVERY_KIND;
 

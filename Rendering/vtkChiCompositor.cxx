@@ -11,6 +11,7 @@
 
 #include "vtkOpenGLQuadHelper.h"
 #include "vtkOpenGLRenderWindow.h"
+#include "vtkOpenGLRenderer.h"
 #include "vtkOpenGLShaderCache.h"
 #include "vtkOpenGLState.h"
 #include "vtkProp.h"
@@ -98,6 +99,10 @@ bool vtkChiCompositor::Draw(vtkRenderer* renderer, const Picture& picture)
   {
     this->DrawQuad(renderer, picture);
   }
+  if (good && picture.Smooth)
+  {
+    this->Smooth(renderer, picture);
+  }
   if (picture.Peeling)
   {
     state->PopFramebufferBindings();
@@ -178,7 +183,7 @@ void vtkChiCompositor::DrawQuad(vtkRenderer* renderer, const Picture& picture)
   program->SetUniformi("hasSpecular", textures[3] ? 1 : 0);
   program->SetUniformi("hasSurface", picture.Surface ? 1 : 0);
   const bool rewrite = picture.Surface && picture.First &&
-    mayRewriteSurface(renderer, picture.Layered);
+    (picture.Hidden || mayRewriteSurface(renderer, picture.Layered));
   program->SetUniformi("rewriteSurface", rewrite ? 1 : 0);
   program->SetUniformi("coloredVisibility", picture.VisibilityRgb ? 1 : 0);
   // One alpha cannot darken colours by different parts: then they are multiplied first. Where
@@ -209,6 +214,35 @@ void vtkChiCompositor::DrawQuad(vtkRenderer* renderer, const Picture& picture)
 }
 
 //------------------------------------------------------------------------------
+// Of all that the viewport holds by now. Several samples a pixel cannot be copied from, and need it
+// least.
+void vtkChiCompositor::Smooth(vtkRenderer* renderer, const Picture& picture)
+{
+  vtkOpenGLRenderer* target = vtkOpenGLRenderer::SafeDownCast(renderer);
+  int samples = 0;
+  glGetIntegerv(GL_SAMPLES, &samples);
+  if (!target || samples > 1)
+  {
+    return;
+  }
+  vtkOpenGLState* state =
+    vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow())->GetState();
+  vtkOpenGLState::ScopedglEnableDisable blend(state, GL_BLEND);
+  vtkOpenGLState::ScopedglEnableDisable depthTest(state, GL_DEPTH_TEST);
+  vtkOpenGLState::ScopedglDepthMask depthMask(state);
+  state->PushFramebufferBindings();
+  if (!picture.Peeling)
+  {
+    int bound = 0; // what is drawn into is what is copied from
+    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &bound);
+    state->vtkglBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<unsigned int>(bound));
+  }
+  this->Fxaa->UpdateConfiguration(renderer->GetFXAAOptions());
+  this->Fxaa->Execute(target);
+  state->PopFramebufferBindings();
+}
+
+//------------------------------------------------------------------------------
 void vtkChiCompositor::ReleaseGraphicsResources(vtkWindow* window)
 {
   delete this->Quad;
@@ -216,6 +250,7 @@ void vtkChiCompositor::ReleaseGraphicsResources(vtkWindow* window)
   this->Uploaded = false;
   if (window)
   {
+    this->Fxaa->ReleaseGraphicsResources();
     this->Layer->ReleaseGraphicsResources(window);
     this->Visibility->ReleaseGraphicsResources(window);
   }

@@ -4,6 +4,7 @@
 #define vtkChiCompositor_h
 
 #include "vtkNew.h"
+#include "vtkOpenGLFXAAFilter.h"
 #include "vtkRenderWindow.h"
 #include "vtkTextureObject.h"
 #include "vtkWeakPointer.h"
@@ -28,8 +29,10 @@ public:
     vtkTextureObject* Specular = nullptr; // part of these that occlusion does not take; null: none
     bool Unchanged = false;               // the same floats as in the last call
     bool First = false;                   // nobody has shaded the geometry in this frame
-    bool Layered = false;                 // translucent geometry is in the picture, nowhere else
-    bool Peeling = false;                 // a buffer of the depth peeling pass is bound
+    bool Hidden = false;  // the frame buffer holds depths of the geometry, no colour
+    bool Smooth = false;  // the last of this frame, and FXAA is to go over it
+    bool Layered = false; // translucent geometry is in the picture, nowhere else
+    bool Peeling = false; // a buffer of the depth peeling pass is bound
   };
 
   vtkChiCompositor();
@@ -44,10 +47,12 @@ public:
 private:
   void Upload(vtkOpenGLRenderWindow* window, const Picture& picture);
   bool PrepareQuad(vtkOpenGLRenderWindow* window);
+  void Smooth(vtkRenderer* renderer, const Picture& picture);
   void DrawQuad(vtkRenderer* renderer, const Picture& picture);
 
   vtkOpenGLQuadHelper* Quad = nullptr;
   vtkWeakPointer<vtkRenderWindow> QuadWindow;
+  vtkNew<vtkOpenGLFXAAFilter> Fxaa;
   vtkNew<vtkTextureObject> Layer;
   vtkNew<vtkTextureObject> Visibility;
   bool Uploaded = false; // the textures hold the picture of the last call

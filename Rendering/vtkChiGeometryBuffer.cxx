@@ -8,100 +8,26 @@
 #include "vtkChiGeometryBuffer.h"
 
 #include "vtkChiPassKeys.h"
+#include "vtkChiSceneKey.h"
 
 #include "vtkActor.h"
 #include "vtkActor2D.h"
-#include "vtkAlgorithm.h"
 #include "vtkAssemblyNode.h"
 #include "vtkAssemblyPath.h"
-#include "vtkCollection.h"
-#include "vtkDataObject.h"
-#include "vtkLight.h"
-#include "vtkLightCollection.h"
-#include "vtkMapper.h"
-#include "vtkMatrix4x4.h"
 #include "vtkOpenGLRenderWindow.h"
 #include "vtkOpenGLState.h"
 #include "vtkPropCollection.h"
 #include "vtkProperty.h"
-#include "vtkRenderState.h"
-#include "vtkTexture.h"
+#include "vtkSMPTools.h"
 #include "vtkTimerLog.h"
 #include "vtkVolume.h"
 
 #include <algorithm>
-#include <cstring>
+#include <atomic>
 #include <limits>
 
 namespace
 {
-std::uint64_t bits(double value)
-{
-  std::uint64_t pattern = 0;
-  std::memcpy(&pattern, &value, sizeof(pattern));
-  return pattern;
-}
-
-std::uint64_t bits(const void* pointer)
-{
-  return static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(pointer));
-}
-
-// When anything that a mapper draws was last modified. vtkActor looks at its first input only; a
-// glyph's shape comes in by the second.
-vtkMTimeType mapperTime(vtkMapper* mapper)
-{
-  vtkMTimeType time = mapper ? mapper->GetMTime() : 0;
-  for (int port = 0; mapper && port < mapper->GetNumberOfInputPorts(); ++port)
-  {
-    for (int item = 0; item < mapper->GetNumberOfInputConnections(port); ++item)
-    {
-      mapper->GetInputAlgorithm(port, item)->Update();
-      vtkDataObject* data = mapper->GetInputDataObject(port, item);
-      time = std::max(time, data ? data->GetMTime() : 0);
-    }
-  }
-  return time;
-}
-
-// Everything that a prop's picture depends on.
-void appendProp(vtkProp* prop, std::vector<std::uint64_t>& key)
-{
-  key.push_back(bits(prop));
-  vtkActor* actor = vtkActor::SafeDownCast(prop);
-  if (actor)
-  {
-    key.push_back(
-      std::max({ actor->GetMTime(), actor->GetRedrawMTime(), mapperTime(actor->GetMapper()) }));
-    return;
-  }
-  // The parts of an assembly: their matrices by value, because drawing one writes into its parts
-  // and so gives them a new time each frame.
-  prop->InitPathTraversal();
-  while (vtkAssemblyPath* path = prop->GetNextPath())
-  {
-    vtkProp* leaf = path->GetLastNode()->GetViewProp();
-    vtkActor* part = vtkActor::SafeDownCast(leaf);
-    key.push_back(bits(leaf));
-    key.push_back(static_cast<std::uint64_t>(leaf->GetVisibility()));
-    if (part)
-    {
-      key.push_back(std::max(mapperTime(part->GetMapper()), part->GetProperty()->GetMTime()));
-      key.push_back(part->GetTexture() ? part->GetTexture()->GetMTime() : 0);
-    }
-    else
-    {
-      key.push_back(
-        leaf == prop ? std::max(prop->GetMTime(), prop->GetRedrawMTime()) : leaf->GetRedrawMTime());
-    }
-    vtkMatrix4x4* matrix = path->GetLastNode()->GetMatrix();
-    for (int i = 0; matrix && i < 16; ++i)
-    {
-      key.push_back(bits(matrix->GetData()[i]));
-    }
-  }
-}
-
 // Whether any part of a prop is lit with highlights.
 bool hasSpecular(vtkProp* prop)
 {
@@ -130,49 +56,47 @@ void vtkChiGeometryBuffer::CollectProps(vtkRenderer* renderer)
     if (prop->GetVisibility() && !vtkVolume::SafeDownCast(prop) &&
       !vtkActor2D::SafeDownCast(prop) && prop->HasOpaqueGeometry())
     {
+      vtkChiProvideKeys(prop); // before anyone looks at its time
       this->Props.push_back(prop);
     }
   }
 }
 
 //------------------------------------------------------------------------------
-std::vector<std::uint64_t> vtkChiGeometryBuffer::MakeKey(
-  vtkRenderer* renderer, const vtkChiCameraView& camera, const std::vector<vtkProp*>& drawn)
+void vtkChiGeometryBuffer::Attach(vtkRenderer* renderer, bool hide)
 {
-  std::vector<std::uint64_t> key;
-  // values of matrices, not the camera's time stamp: some render passes swap the camera each frame
-  for (int i = 0; i < 16; ++i)
+  this->Detach();
+  this->CollectProps(renderer);
+  this->Attached.assign(this->Props.begin(), this->Props.end());
+  this->Hiding = hide && !this->Attached.empty();
+  this->Pass->SetMode(hide ? vtkChiGeometryPass::HIDE : vtkChiGeometryPass::DRAW);
+  for (vtkProp* prop : this->Attached)
   {
-    key.push_back(bits(camera.GetView()[i]));
-    key.push_back(bits(camera.GetProjection()[i]));
+    vtkChiAppendPass(prop, this->Pass);
   }
-  for (int i = 0; i < 3; ++i)
-  {
-    key.push_back(bits(renderer->GetAmbient()[i]));
-  }
-  key.push_back(static_cast<std::uint64_t>(renderer->GetTwoSidedLighting()));
-  vtkTexture* environment =
-    renderer->GetUseImageBasedLighting() ? renderer->GetEnvironmentTexture() : nullptr;
-  key.push_back(environment ? environment->GetMTime() : 0);
+}
 
-  vtkCollectionSimpleIterator cookie;
-  vtkLightCollection* lights = renderer->GetLights();
-  lights->InitTraversal(cookie);
-  while (vtkLight* light = lights->GetNextLight(cookie))
+//------------------------------------------------------------------------------
+void vtkChiGeometryBuffer::Detach()
+{
+  for (vtkProp* prop : this->Attached)
   {
-    key.push_back(bits(light));
-    key.push_back(light->GetMTime());
+    vtkChiRemovePass(prop, this->Pass);
   }
-  for (vtkProp* prop : drawn)
-  {
-    appendProp(prop, key);
-  }
-  return key;
+  this->Attached.clear();
+  this->Hiding = false;
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiGeometryBuffer::Exist(vtkRenderer* renderer)
+{
+  this->CollectProps(renderer);
+  return !this->Props.empty();
 }
 
 //------------------------------------------------------------------------------
 bool vtkChiGeometryBuffer::Update(
-  vtkRenderer* renderer, const vtkChiCameraView& camera, int width, int height)
+  vtkRenderer* renderer, const vtkChiCameraView& camera, int width, int height, bool multiSample)
 {
   this->SecondsDraw = 0.0;
   this->SecondsReadBack = 0.0;
@@ -186,7 +110,8 @@ bool vtkChiGeometryBuffer::Update(
     this->AnySpecular = false;
     return false;
   }
-  std::vector<std::uint64_t> key = MakeKey(renderer, camera, this->Props);
+  std::vector<std::uint64_t> key = vtkChiSceneKey(renderer, camera, this->Props);
+  key.push_back(multiSample ? 1 : 0);
   if (width == this->Width && height == this->Height && key == this->Key &&
     this->Color->GetHandle() != 0)
   {
@@ -198,81 +123,34 @@ bool vtkChiGeometryBuffer::Update(
   this->Key.clear();
 
   const double start = vtkTimerLog::GetUniversalTime();
-  this->Draw(renderer, window);
-  this->DrawSpecular(renderer, window);
-  this->ConvertDepth(camera);
+  this->AnySpecular = std::any_of(this->Props.begin(), this->Props.end(), hasSpecular);
+  const std::size_t pixels =
+    static_cast<std::size_t>(this->Width) * static_cast<std::size_t>(this->Height);
+  this->MultiSampled = multiSample && this->Samples.Allocate(window, this->Width, this->Height);
+  if (this->MultiSampled)
+  {
+    this->DrawSamples(renderer, camera);
+  }
+  else
+  {
+    this->WindowDepths.resize(pixels);
+    this->Draw(renderer);
+  }
+  this->ConvertDepths(camera);
   this->SecondsReadBack = vtkTimerLog::GetUniversalTime() - start - this->SecondsDraw;
   this->Key = std::move(key);
   return this->AnySurface;
 }
 
 //------------------------------------------------------------------------------
-void vtkChiGeometryBuffer::DrawInto(vtkOpenGLRenderWindow* window, vtkTextureObject* color,
-  const std::function<void()>& draw, const std::function<void()>& read)
-{
-  const unsigned int width = static_cast<unsigned int>(this->Width);
-  const unsigned int height = static_cast<unsigned int>(this->Height);
-  color->SetContext(window);
-  this->WindowDepth->SetContext(window);
-  this->Target->SetContext(window);
-  if (color->GetHandle() == 0)
-  {
-    color->Allocate2D(width, height, 4, VTK_FLOAT);
-  }
-  if (this->WindowDepth->GetHandle() == 0)
-  {
-    this->WindowDepth->AllocateDepth(width, height, vtkTextureObject::Float32);
-  }
-  color->Resize(width, height);
-  this->WindowDepth->Resize(width, height);
-
-  vtkOpenGLState* state = window->GetState();
-  vtkOpenGLState::ScopedglViewport viewport(state);
-  vtkOpenGLState::ScopedglScissor scissor(state);
-  vtkOpenGLState::ScopedglClearColor clearColor(state);
-  vtkOpenGLState::ScopedglDepthMask depthMask(state);
-  vtkOpenGLState::ScopedglDepthFunc depthFunc(state);
-  vtkOpenGLState::ScopedglColorMask colorMask(state);
-  vtkOpenGLState::ScopedglEnableDisable blend(state, GL_BLEND);
-  vtkOpenGLState::ScopedglEnableDisable depthTest(state, GL_DEPTH_TEST);
-  state->PushFramebufferBindings();
-  this->Target->Bind();
-  this->Target->AddColorAttachment(0, color);
-  this->Target->AddDepthAttachment(this->WindowDepth);
-  this->Target->ActivateDrawBuffer(0);
-  this->Target->ActivateReadBuffer(0);
-  state->vtkglViewport(0, 0, this->Width, this->Height);
-  state->vtkglScissor(0, 0, this->Width, this->Height);
-  state->vtkglDisable(GL_BLEND);
-  state->vtkglEnable(GL_DEPTH_TEST);
-  state->vtkglDepthFunc(GL_LEQUAL);
-  state->vtkglDepthMask(GL_TRUE);
-  state->vtkglColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  state->vtkglClearColor(0.0f, 0.0f, 0.0f, 0.0f);
-  state->vtkglClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  draw();
-  read();
-  this->Target->RemoveColorAttachment(0);
-  this->Target->RemoveDepthAttachment();
-  state->PopFramebufferBindings();
-}
-
-//------------------------------------------------------------------------------
-void vtkChiGeometryBuffer::Draw(vtkRenderer* renderer, vtkOpenGLRenderWindow* window)
+// Colours, and in one go what of them is specular (Schott et al. 2013, Eq. 9).
+void vtkChiGeometryBuffer::Draw(vtkRenderer* renderer)
 {
   const double start = vtkTimerLog::GetUniversalTime();
-  this->WindowDepths.resize(
-    static_cast<std::size_t>(this->Width) * static_cast<std::size_t>(this->Height));
-  this->DrawInto(
-    window, this->Color,
-    [this, renderer]
-    {
-      for (vtkProp* prop : this->Props)
-      {
-        const vtkChiPlainShaders plain(prop);
-        prop->RenderOpaqueGeometry(renderer);
-      }
-    },
+  const std::vector<vtkTextureObject*> colors = this->AnySpecular
+    ? std::vector<vtkTextureObject*>{ this->Color, this->Specular }
+    : std::vector<vtkTextureObject*>{ this->Color };
+  this->DrawInto(renderer, colors, this->WindowDepth, vtkChiGeometryPass::BUFFER,
     [this, start]
     {
       this->SecondsDraw = vtkTimerLog::GetUniversalTime() - start;
@@ -282,22 +160,126 @@ void vtkChiGeometryBuffer::Draw(vtkRenderer* renderer, vtkOpenGLRenderWindow* wi
 }
 
 //------------------------------------------------------------------------------
-// The highlights apart, where there are any, because occlusion does not take them (Schott et al.
-// 2013, Eq. 9).
-void vtkChiGeometryBuffer::DrawSpecular(vtkRenderer* renderer, vtkOpenGLRenderWindow* window)
+void vtkChiGeometryBuffer::DrawSamples(vtkRenderer* renderer, const vtkChiCameraView& camera)
 {
-  this->AnySpecular = std::any_of(this->Props.begin(), this->Props.end(), hasSpecular);
-  if (!this->AnySpecular)
-  {
-    return;
-  }
   const double start = vtkTimerLog::GetUniversalTime();
-  vtkRenderState state(renderer);
-  state.SetPropArrayAndCount(this->Props.data(), static_cast<int>(this->Props.size()));
-  this->SpecularPass->SetOutput(vtkChiGeometryPass::SPECULAR);
-  this->DrawInto(
-    window, this->Specular, [this, &state] { this->SpecularPass->Render(&state); }, [] {});
-  this->SecondsDraw += vtkTimerLog::GetUniversalTime() - start;
+  vtkOpenGLRenderWindow* window = vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow());
+  // Shaded once a pixel, at its centre, normals would be extrapolated beyond thin triangles at
+  // silhouettes, to black. OpenGL 4 shades each sample.
+  const bool each = glMinSampleShading != nullptr && !glIsEnabled(GL_SAMPLE_SHADING);
+  if (each)
+  {
+    glEnable(GL_SAMPLE_SHADING);
+    glMinSampleShading(1.0f);
+  }
+  this->DrawInto(renderer, { this->Samples.GetColor(), this->Samples.GetSpecular() },
+    this->Samples.GetDepth(), vtkChiGeometryPass::BUFFER, [] {});
+  if (each)
+  {
+    glDisable(GL_SAMPLE_SHADING);
+  }
+  const std::size_t pixels =
+    static_cast<std::size_t>(this->Width) * static_cast<std::size_t>(this->Height);
+  this->Packed.resize(4 * pixels);
+  this->EdgeRgba.resize(4 * pixels);
+  this->Bind(window, { this->Color, this->Specular, this->Edge, this->PackedDepths },
+    [this, window, &camera, start]
+    {
+      this->Samples.Resolve(window, camera);
+      this->SecondsDraw = vtkTimerLog::GetUniversalTime() - start;
+      this->Target->ActivateReadBuffer(2);
+      glReadPixels(0, 0, this->Width, this->Height, GL_RGBA, GL_FLOAT, this->EdgeRgba.data());
+      this->Target->ActivateReadBuffer(3);
+      glReadPixels(0, 0, this->Width, this->Height, GL_RGBA, GL_FLOAT, this->Packed.data());
+    });
+}
+
+//------------------------------------------------------------------------------
+// Runs a function while these textures, which it allocates, are what is drawn into.
+void vtkChiGeometryBuffer::Bind(vtkOpenGLRenderWindow* window,
+  const std::vector<vtkTextureObject*>& colors, const std::function<void()>& draw)
+{
+  const unsigned int width = static_cast<unsigned int>(this->Width);
+  const unsigned int height = static_cast<unsigned int>(this->Height);
+  vtkOpenGLState* state = window->GetState();
+  vtkOpenGLState::ScopedglViewport viewport(state);
+  vtkOpenGLState::ScopedglScissor scissor(state);
+  vtkOpenGLState::ScopedglDepthMask depthMask(state);
+  vtkOpenGLState::ScopedglDepthFunc depthFunc(state);
+  vtkOpenGLState::ScopedglColorMask colorMask(state);
+  vtkOpenGLState::ScopedglEnableDisable blend(state, GL_BLEND);
+  vtkOpenGLState::ScopedglEnableDisable depthTest(state, GL_DEPTH_TEST);
+  this->Target->SetContext(window);
+  state->PushFramebufferBindings();
+  this->Target->Bind();
+  std::vector<GLenum> buffers;
+  for (std::size_t i = 0; i < colors.size(); ++i)
+  {
+    colors[i]->SetContext(window);
+    if (colors[i]->GetHandle() == 0)
+    {
+      colors[i]->Allocate2D(width, height, 4, VTK_FLOAT);
+    }
+    colors[i]->Resize(width, height);
+    this->Target->AddColorAttachment(static_cast<unsigned int>(i), colors[i]);
+    buffers.push_back(static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + i));
+  }
+  // vtkOpenGLState compares the first of several buffers alone with what it remembers, which is
+  // another frame buffer's while volumes are peeled: say it to OpenGL itself as well
+  this->Target->ActivateDrawBuffers(static_cast<unsigned int>(buffers.size()));
+  glDrawBuffers(static_cast<GLsizei>(buffers.size()), buffers.data());
+  this->Target->ActivateReadBuffer(0);
+  state->vtkglViewport(0, 0, this->Width, this->Height);
+  state->vtkglScissor(0, 0, this->Width, this->Height);
+  state->vtkglDisable(GL_BLEND);
+  state->vtkglColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  draw();
+  for (std::size_t i = 0; i < colors.size(); ++i)
+  {
+    this->Target->RemoveColorAttachment(static_cast<unsigned int>(i));
+  }
+  state->PopFramebufferBindings();
+}
+
+//------------------------------------------------------------------------------
+// Draws the props into these textures, and runs a function before they are let go.
+void vtkChiGeometryBuffer::DrawInto(vtkRenderer* renderer,
+  const std::vector<vtkTextureObject*>& colors, vtkTextureObject* depth,
+  vtkChiGeometryPass::Modes mode, const std::function<void()>& read)
+{
+  vtkOpenGLRenderWindow* window = vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow());
+  const unsigned int width = static_cast<unsigned int>(this->Width);
+  const unsigned int height = static_cast<unsigned int>(this->Height);
+  depth->SetContext(window);
+  if (depth->GetHandle() == 0)
+  {
+    depth->AllocateDepth(width, height, vtkTextureObject::Float32);
+  }
+  depth->Resize(width, height);
+  this->Bind(window, colors,
+    [this, renderer, window, depth, mode, &read]
+    {
+      vtkOpenGLState* state = window->GetState();
+      vtkOpenGLState::ScopedglClearColor clearColor(state);
+      this->Target->AddDepthAttachment(depth);
+      state->vtkglEnable(GL_DEPTH_TEST);
+      state->vtkglDepthFunc(GL_LEQUAL);
+      state->vtkglDepthMask(GL_TRUE);
+      state->vtkglClearColor(0.0f, 0.0f, 0.0f, 0.0f);
+      state->vtkglClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+      this->Pass->SetMode(mode);
+      for (vtkProp* prop : this->Props)
+      {
+        // nobody else's parts of shaders: peeling, say, may be under way
+        const vtkChiPlainShaders plain(prop);
+        vtkChiAppendPass(prop, this->Pass);
+        prop->RenderOpaqueGeometry(renderer);
+        vtkChiRemovePass(prop, this->Pass);
+      }
+      this->Pass->SetMode(this->Hiding ? vtkChiGeometryPass::HIDE : vtkChiGeometryPass::DRAW);
+      read();
+      this->Target->RemoveDepthAttachment();
+    });
 }
 
 //------------------------------------------------------------------------------
@@ -311,47 +293,72 @@ bool vtkChiGeometryBuffer::ReadNormals(vtkRenderer* renderer, std::vector<float>
   }
   window->MakeCurrent();
   this->CollectProps(renderer);
-  vtkRenderState state(renderer);
-  state.SetPropArrayAndCount(this->Props.data(), static_cast<int>(this->Props.size()));
   normals.resize(
     4 * static_cast<std::size_t>(this->Width) * static_cast<std::size_t>(this->Height));
   vtkNew<vtkTextureObject> texture;
-  vtkNew<vtkChiGeometryPass> pass;
-  this->DrawInto(
-    window, texture, [&pass, &state] { pass->Render(&state); },
+  this->DrawInto(renderer, { texture }, this->WindowDepth, vtkChiGeometryPass::NORMAL,
     [this, &normals]
     { glReadPixels(0, 0, this->Width, this->Height, GL_RGBA, GL_FLOAT, normals.data()); });
   texture->ReleaseGraphicsResources(window);
-  pass->ReleaseGraphicsResources(window);
   return true;
 }
 
 //------------------------------------------------------------------------------
-// From the window's depth to the distance along the view axis. The version is that of the depths,
-// not of the drawing: a change of colour alone must not make the engine render again.
-void vtkChiGeometryBuffer::ConvertDepth(const vtkChiCameraView& camera)
+// From the window's depth to the distance along the view axis; `stride` floats from one to the
+// next. Returns whether there is any.
+bool vtkChiGeometryBuffer::ConvertDepth(const vtkChiCameraView& camera, const float* window,
+  std::size_t stride, std::vector<float>& depths) const
 {
-  std::vector<float> depths(this->WindowDepths.size());
-  const vtkChiCameraView view =
-    camera; // by value, so that the loop need not read it anew each time
-  const float none = std::numeric_limits<float>::infinity();
-  float nearest = 1.0f;
-  for (std::size_t i = 0; i < depths.size(); ++i)
+  depths.resize(static_cast<std::size_t>(this->Width) * static_cast<std::size_t>(this->Height));
+  std::atomic<bool> any(false);
+  vtkSMPTools::For(0, static_cast<vtkIdType>(depths.size()), 65536,
+    [&camera, window, stride, &depths, &any](vtkIdType begin, vtkIdType end)
+    {
+      const vtkChiCameraView view = camera; // by value: the loop need not read it anew each time
+      const float none = std::numeric_limits<float>::infinity();
+      float nearest = 1.0f;
+      for (std::size_t i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+      {
+        const float z = window[i * stride];
+        const float depth = static_cast<float>(view.Depth(static_cast<double>(z)));
+        depths[i] = z < 1.0f ? depth : none;
+        nearest = std::min(nearest, z);
+      }
+      if (nearest < 1.0f)
+      {
+        any = true;
+      }
+    });
+  return any;
+}
+
+//------------------------------------------------------------------------------
+// The version is that of the depths, not of the drawing: a change of colour alone must not make the
+// engine render again. Edges are blended by the engine, with their colours.
+void vtkChiGeometryBuffer::ConvertDepths(const vtkChiCameraView& camera)
+{
+  std::vector<float>& depths = this->NextDepths;
+  if (this->MultiSampled)
   {
-    const float window = this->WindowDepths[i];
-    const float depth = static_cast<float>(view.Depth(static_cast<double>(window)));
-    depths[i] = window < 1.0f ? depth : none;
-    nearest = std::min(nearest, window);
+    this->AnySurface = this->ConvertDepth(camera, this->Packed.data() + 2, 4, this->EdgeDepths);
+    this->AnySurface =
+      this->ConvertDepth(camera, this->Packed.data(), 4, this->Ends) || this->AnySurface;
+    this->ConvertDepth(camera, this->Packed.data() + 1, 4, depths);
   }
-  const bool any = nearest < 1.0f;
-  this->AnySurface = any;
+  else
+  {
+    this->AnySurface = this->ConvertDepth(camera, this->WindowDepths.data(), 1, depths);
+  }
   this->View.struct_size = sizeof(chi_surface_view);
-  if (depths != this->Depths)
+  if (this->MultiSampled || depths != this->Depths)
   {
     ++this->View.version;
     this->Depths.swap(depths);
   }
   this->View.depth = this->Depths.data();
+  this->View.end = this->MultiSampled ? this->Ends.data() : nullptr;
+  this->View.edge_depth = this->MultiSampled ? this->EdgeDepths.data() : nullptr;
+  this->View.edge_rgba = this->MultiSampled ? this->EdgeRgba.data() : nullptr;
 }
 
 //------------------------------------------------------------------------------
@@ -391,10 +398,12 @@ bool vtkChiGeometryBuffer::Read(
 //------------------------------------------------------------------------------
 void vtkChiGeometryBuffer::ReleaseGraphicsResources(vtkWindow* window)
 {
+  for (vtkTextureObject* texture : { this->Color.Get(), this->Specular.Get(), this->Edge.Get(),
+         this->PackedDepths.Get(), this->WindowDepth.Get() })
+  {
+    texture->ReleaseGraphicsResources(window);
+  }
   this->Target->ReleaseGraphicsResources(window);
-  this->Color->ReleaseGraphicsResources(window);
-  this->Specular->ReleaseGraphicsResources(window);
-  this->SpecularPass->ReleaseGraphicsResources(window);
-  this->WindowDepth->ReleaseGraphicsResources(window);
+  this->Samples.ReleaseGraphicsResources(window);
   this->Key.clear();
 }

@@ -4,6 +4,7 @@
 
 #include "vtkAbstractVolumeMapper.h"
 #include "vtkCamera.h"
+#include "vtkCameraPass.h"
 #include "vtkCommand.h"
 #include "vtkInformation.h"
 #include "vtkInformationObjectBaseKey.h"
@@ -99,12 +100,25 @@ bool vtkChiOcclusionFrame::WillDraw() const
 }
 
 //------------------------------------------------------------------------------
+bool vtkChiOcclusionFrame::IsStock() const
+{
+  // ParaView's own pass draws as a renderer without one does
+  vtkRenderPass* pass = this->Scene->GetPass();
+  vtkCameraPass* camera = vtkCameraPass::SafeDownCast(pass);
+  pass = camera ? camera->GetDelegatePass() : pass;
+  return (!pass || pass->IsA("vtkPVDefaultPass")) && !this->Scene->GetUseShadows() &&
+    !this->Scene->GetUseSSAO() && !this->Scene->GetUseHiddenLineRemoval();
+}
+
+//------------------------------------------------------------------------------
 void vtkChiOcclusionFrame::BeginFrame()
 {
   this->Layers.clear();
   this->Translucent.Show();
+  this->Geometry.Detach();
   if (this->Scene && !this->Scene->GetSelector() && !this->Missed && this->WillDraw())
   {
+    this->Geometry.Attach(this->Scene, this->MultiSample && this->IsStock());
     this->Translucent.Hide(this->Scene);
   }
 }
@@ -112,16 +126,20 @@ void vtkChiOcclusionFrame::BeginFrame()
 //------------------------------------------------------------------------------
 void vtkChiOcclusionFrame::EndFrame()
 {
-  const bool hidden = this->Translucent.IsHiding();
+  const bool layersHidden = this->Translucent.IsHiding();
+  const bool colorsHidden = this->Geometry.IsHiding();
   this->Translucent.Show();
+  this->Geometry.Detach();
   if (!this->Scene || this->Scene->GetSelector())
   {
     return;
   }
   const bool drawn = !this->Layers.empty();
   // drawn too early, or not at all: the props were to be hidden, or were not
-  const bool wrong = drawn ? !hidden && this->Translucent.Exist(this->Scene) : hidden;
-  this->Missed = hidden && !drawn;
+  const bool wrong = drawn ? (!layersHidden && this->Translucent.Exist(this->Scene)) ||
+      (!colorsHidden && this->MultiSample && this->IsStock() && this->Geometry.Exist(this->Scene))
+                           : layersHidden || colorsHidden;
+  this->Missed = (layersHidden || colorsHidden) && !drawn;
   this->DrewLast = drawn;
   // what lies below cannot be brought back where the renderer does not erase; render passes of
   // others (ParaView's, say, across processes) are not to be surprised

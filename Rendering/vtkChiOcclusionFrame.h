@@ -36,6 +36,9 @@ public:
 
   // Whether this volume has been drawn since the renderer began the frame.
   bool HasDrawn(vtkVolume* volume) const;
+  int GetNumberOfLayers() const { return static_cast<int>(this->Layers.size()); }
+  // Whether the renderer draws opaque geometry by itself, plainly.
+  bool IsStock() const;
   bool IsFirst() const { return this->Layers.empty(); }
   // A volume is drawn twice in a frame only where someone renders without the renderer's event.
   void Forget() { this->Layers.clear(); }
@@ -52,6 +55,10 @@ public:
   // then only the fact is kept. A null volume stands for geometry alone.
   void AddLayer(vtkVolume* volume, const chi_camera* camera, const chi_volume_view* samples,
     const chi_occlusion_image* image, bool keep);
+
+  // Whether the geometry's colours come from several samples a pixel. Then the renderer's own
+  // drawing of them is hidden, from the next frame on, or from this one, drawn once more.
+  void SetMultiSample(bool on) { this->MultiSample = on; }
 
   // What the last layer must write so that it comes to lie between the earlier ones, some of which
   // are in front of it: premultiplied colour, and the layer's own alpha.
@@ -87,6 +94,7 @@ private:
   vtkWeakPointer<vtkRenderer> Scene;
   vtkChiGeometryBuffer Geometry;
   vtkChiTranslucentLayers Translucent;
+  bool MultiSample = false;
   bool Missed = false;   // props were hidden, and no mapper drew
   bool DrewLast = false; // a mapper drew in the last frame
   bool Again = false;    // this frame is drawn for the second time

@@ -12,14 +12,20 @@
 
 #include <vector>
 
-// The render passes whose parts of shaders a prop is drawn with.
-inline void vtkChiAppendPass(vtkProp* prop, vtkOpenGLRenderPass* pass)
+// The first keys of a prop modify it; what they hold later does not.
+inline void vtkChiProvideKeys(vtkProp* prop)
 {
   if (!prop->GetPropertyKeys())
   {
     vtkNew<vtkInformation> keys;
     prop->SetPropertyKeys(keys);
   }
+}
+
+// The render passes whose parts of shaders a prop is drawn with.
+inline void vtkChiAppendPass(vtkProp* prop, vtkOpenGLRenderPass* pass)
+{
+  vtkChiProvideKeys(prop);
   prop->GetPropertyKeys()->Append(vtkOpenGLRenderPass::RenderPasses(), pass);
 }
 

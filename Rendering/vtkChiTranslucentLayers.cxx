@@ -7,8 +7,8 @@
 #endif
 #include "vtkChiTranslucentLayers.h"
 
-#include "vtkChiGeometryBuffer.h"
 #include "vtkChiPassKeys.h"
+#include "vtkChiSceneKey.h"
 
 #include "vtkActor2D.h"
 #include "vtkInformation.h"
@@ -103,7 +103,7 @@ void vtkChiTranslucentLayers::Update(vtkRenderer* renderer, const vtkChiCameraVi
     return;
   }
   std::vector<vtkProp*> props(this->Hidden.begin(), this->Hidden.end());
-  std::vector<std::uint64_t> key = vtkChiGeometryBuffer::MakeKey(renderer, camera, props);
+  std::vector<std::uint64_t> key = vtkChiSceneKey(renderer, camera, props);
   key.push_back(opaque ? opaqueVersion + 1 : 0);
   if (key == this->Key && size[0] == this->Width && size[1] == this->Height &&
     this->Color->GetHandle() != 0)

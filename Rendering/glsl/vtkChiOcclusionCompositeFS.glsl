@@ -8,7 +8,7 @@
 
 uniform sampler2D layerTexture;      // premultiplied colour and alpha of the volume
 uniform sampler2D visibilityTexture; // of the opaque geometry, 1 where there is none
-uniform sampler2D surfaceTexture;    // lit colour of the opaque geometry, alpha 0 where there is none
+uniform sampler2D surfaceTexture;    // lit colour of the opaque geometry times the share that it covers, and this
 uniform sampler2D specularTexture;   // the part of it that occlusion does not take
 uniform int hasSurface;
 uniform int hasSpecular;
@@ -32,15 +32,15 @@ void main()
     {
       layer.rgb += keep * (1.0 - visibility) * texelFetch(specularTexture, pixel, 0).rgb;
     }
-    keep *= visibility;
     if (rewriteSurface != 0)
     {
       vec4 surface = texelFetch(surfaceTexture, pixel, 0);
-      if (surface.a > 0.0)
-      {
-        layer.rgb += keep * surface.rgb;
-        keep = vec3(0.0);
-      }
+      layer.rgb += keep * visibility * surface.rgb;
+      keep *= 1.0 - surface.a;
+    }
+    else
+    {
+      keep *= visibility;
     }
   }
   float through = coloredVisibility != 0 ? (keep.r + keep.g + keep.b) / 3.0 : keep.r;
