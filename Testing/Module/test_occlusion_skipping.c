@@ -72,7 +72,8 @@ static scene* make_scene(int parallel)
   {
     s->depth[i] = i % WIDTH < WIDTH / 2 ? (float)(98 + 0.1 * (i % WIDTH)) : INFINITY;
   }
-  s->surface = (chi_surface_view){ sizeof s->surface, s->depth, 1 };
+  s->surface =
+    (chi_surface_view){ .struct_size = sizeof s->surface, .depth = s->depth, .version = 1 };
   chi_occlusion_default_params(&s->params);
   const double planes[8] = { 0.3, 0.1, -1, -85, 0, 1, 0, 15 }; /* z <= -85 about, y >= -15 */
   memcpy(s->planes, planes, sizeof planes);
