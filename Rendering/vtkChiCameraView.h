@@ -78,6 +78,13 @@ public:
     return (z * p[15] - p[11]) / (z * p[14] - p[10]);
   }
 
+  // The inverse: depth in the window of a depth along the view axis.
+  double WindowDepth(double depth) const
+  {
+    const double* p = this->Projection;
+    return 0.5 * ((p[11] - depth * p[10]) / (p[15] - depth * p[14]) + 1.0);
+  }
+
   // Whether any corner of the volume's box lies beyond the near plane.
   bool Reaches(const chi_volume_view* volume) const
   {
@@ -135,8 +142,8 @@ private:
       (parallel && (p[2] != 0.0 || p[6] != 0.0)))
     {
       this->Limit =
-        "sheared projections (vtkCamera::SetViewShear) are not supported yet: the shear is "
-        "left out of the volume";
+        "sheared projections (vtkCamera::SetViewShear, and stereo in parallel projection) are not "
+        "supported yet: the shear is left out of the volume";
     }
     this->Camera = {};
     this->Camera.struct_size = sizeof(chi_camera);
@@ -152,6 +159,13 @@ private:
     this->Camera.window[3] = (1.0 + shift[1]) / p[5];
     this->Camera.near_depth = this->Depth(0.0);
     this->SplitView();
+    if (perspective)
+    {
+      // Stereo: vtkCamera moves the eye to the side by the projection (vtkPerspectiveTransform::
+      // Stereo). (p0 x + p2 z + p3) / w is the projection of x + p3 / p0.
+      this->Camera.world_to_eye[3] += p[3] / p[0];
+      this->Camera.world_to_eye[7] += p[7] / p[5];
+    }
     return nullptr;
   }
 

@@ -8,6 +8,8 @@
 #include "vtkChiCompositor.h"
 #include "vtkChiMaskInput.h"
 #include "vtkChiOcclusionFrame.h"
+#include "vtkChiQuality.h"
+#include "vtkChiSelection.h"
 #include "vtkChiVolumeInput.h"
 
 #include <chiaroscuro/chi_occlusion.h>
@@ -32,9 +34,10 @@ struct vtkChiCombinedOcclusionVolumeMapper::Internals
   double Diagonal = 0.0; // of the volume, in view or not; 0 without one
   bool HasVolume = false;
   bool HasSurface = false;
-  bool Peeling = false; // called by the depth peeling pass, several times a frame
-  bool First = false;   // of the mappers of this class in this frame
-  bool Shared = false;  // other volumes of the renderer have mappers of this class
+  bool Peeling = false;     // called by the depth peeling pass, several times a frame
+  bool First = false;       // of the mappers of this class in this frame
+  bool Interactive = false; // the frame shall be fast rather than good
+  bool Shared = false;      // other volumes of the renderer have mappers of this class
 
   vtkWeakPointer<vtkChiOcclusionFrame> Frame;
   vtkWeakPointer<vtkRenderWindow> Window;
@@ -44,6 +47,10 @@ struct vtkChiCombinedOcclusionVolumeMapper::Internals
   chi_occlusion_stats Stats = {};
 
   vtkChiCompositor Compositor;
+  vtkChiSelection Selection;
+  vtkChiQuality Quality;
+  vtkChiQuality::Settings Used; // of the last frame
+  double UsedSampleDistance = 0.0;
   bool LastMerged = false;
   std::vector<float> Merged; // the picture fitted in between other mappers' pictures
 
@@ -52,6 +59,22 @@ struct vtkChiCombinedOcclusionVolumeMapper::Internals
   double SecondsTotal = 0.0;
   std::set<std::string> Warnings; // each is said once
   std::set<std::string> Errors;   // and these again after a frame that went well
+
+  // What has been collected, for the core; opaque geometry is up to the caller.
+  chi_occlusion_frame MakeFrame()
+  {
+    chi_occlusion_frame frame = {};
+    frame.struct_size = sizeof(frame);
+    frame.camera = this->Camera.Get();
+    frame.volume = this->HasVolume ? this->Input.GetVolume() : nullptr;
+    frame.transfer = this->HasVolume ? this->Input.GetTransfer() : nullptr;
+    frame.params = &this->Params;
+    frame.clip_planes = this->Input.GetClipPlanes().data();
+    frame.clip_plane_count = this->HasVolume ? this->Input.GetClipPlanes().size() / 4 : 0;
+    frame.crop = this->HasVolume ? this->Masks.GetCrop() : nullptr;
+    frame.shading = this->HasVolume ? this->Input.GetShading()->GetShading() : nullptr;
+    return frame;
+  }
 };
 
 #endif

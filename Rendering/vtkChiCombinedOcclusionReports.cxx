@@ -171,6 +171,18 @@ vtkIdType vtkChiCombinedOcclusionVolumeMapper::GetNumberOfNonFiniteSamples()
 {
   return static_cast<vtkIdType>(this->Internal->Stats.non_finite_samples);
 }
+int vtkChiCombinedOcclusionVolumeMapper::GetUsedNumberOfDirections()
+{
+  return this->Internal->Used.Directions;
+}
+double vtkChiCombinedOcclusionVolumeMapper::GetUsedSampleDistance()
+{
+  return this->Internal->UsedSampleDistance;
+}
+int vtkChiCombinedOcclusionVolumeMapper::GetUsedImageReduction()
+{
+  return this->Internal->Used.ImageReduction;
+}
 vtkIdType vtkChiCombinedOcclusionVolumeMapper::GetNumberOfSkipped(int kind)
 {
   for (int k = 1; k < CHI_SKIP_KINDS; ++k)
@@ -293,4 +305,7 @@ void vtkChiCombinedOcclusionVolumeMapper::PrintSelf(ostream& os, vtkIndent inden
   os << indent << "GeometryAntiAliasing: " << this->GeometryAntiAliasing << "\n";
   os << indent << "Skipping: " << this->Skipping << "\n";
   os << indent << "SkippingMask: " << this->SkippingMask << "\n";
+  os << indent << "AutoAdjustQuality: " << this->AutoAdjustQuality << "\n";
+  os << indent << "InteractiveUpdateRate: " << this->InteractiveUpdateRate << "\n";
+  os << indent << "SelectionOpacity: " << this->SelectionOpacity << "\n";
 }

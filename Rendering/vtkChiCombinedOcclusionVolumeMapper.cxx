@@ -175,12 +175,20 @@ void vtkChiCombinedOcclusionVolumeMapper::Render(vtkRenderer* renderer, vtkVolum
   Internals& in = *this->Internal;
   in.Window = renderer->GetRenderWindow();
   in.Scene = renderer;
-  if (renderer->GetSelector() || !vtkOpenGLRenderWindow::SafeDownCast(in.Window))
+  if (!vtkOpenGLRenderWindow::SafeDownCast(in.Window))
   {
-    return; // what would be painted into a selection buffer would be read as ids
+    return;
   }
-  const double start = vtkTimerLog::GetUniversalTime();
   in.Frame = vtkChiOcclusionFrame::Get(renderer);
+  if (renderer->GetSelector())
+  {
+    this->RenderSelection(renderer, volume);
+    return;
+  }
+  in.Selection.Forget();
+  in.Interactive =
+    this->AutoAdjustQuality && volume->GetAllocatedRenderTime() * this->InteractiveUpdateRate < 1.0;
+  const double start = vtkTimerLog::GetUniversalTime();
   in.Peeling = isPeeling(volume);
   if (in.Frame->HasDrawn(volume))
   {
@@ -259,6 +267,7 @@ bool vtkChiCombinedOcclusionVolumeMapper::Collect(vtkRenderer* renderer, vtkVolu
     in.HasVolume = in.Camera.Reaches(in.Input.GetVolume());
   }
   this->CollectParameters();
+  this->CollectQuality(volume->GetAllocatedRenderTime());
   return true;
 }
 
@@ -333,6 +342,68 @@ void vtkChiCombinedOcclusionVolumeMapper::CollectParameters()
 }
 
 //------------------------------------------------------------------------------
+void vtkChiCombinedOcclusionVolumeMapper::CollectQuality(double seconds)
+{
+  Internals& in = *this->Internal;
+  in.Used = vtkChiQuality::Settings();
+  in.Used.Directions = in.Params.directions;
+  if (in.Interactive)
+  {
+    in.Used = in.Quality.Choose(in.Used, seconds);
+    if (this->OcclusionMethod == PUBLISHED) // whose taps make the picture, not its error alone
+    {
+      in.Used.Directions = in.Params.directions;
+    }
+  }
+  in.Params.directions = in.Used.Directions;
+  in.Params.reduction = in.Used.ImageReduction;
+  in.Params.half_size = in.Used.ImageReduction > 1 ? 0 : in.Params.half_size;
+  in.Params.coarsening = in.Used.Coarsening;
+}
+
+//------------------------------------------------------------------------------
+// Ids where the volume is opaque enough; the plain ray cast of the core says where that is.
+void vtkChiCombinedOcclusionVolumeMapper::RenderSelection(vtkRenderer* renderer, vtkVolume* volume)
+{
+  Internals& in = *this->Internal;
+  const chi_occlusion_image image = in.Image;
+  const vtkChiQuality::Settings used = in.Used;
+  in.Interactive = false;
+  const bool collected = this->Collect(renderer, volume);
+  in.Used = used;
+  in.Image = image;
+  if (!collected || !in.HasVolume || !this->PrepareEngine())
+  {
+    return;
+  }
+  if (!in.Selection.IsKnown(
+        renderer->GetSelector(), volume, in.Camera, in.Viewport[2], in.Viewport[3]))
+  {
+    const vtkChiExec exec(nullptr);
+    chi_occlusion_frame frame = in.MakeFrame();
+    frame.surface = nullptr; // the selector's own depth buffer says what lies in front
+    const chi_status status =
+      chi_occlusion_find_depth(exec.Get(), in.Renderer, &frame, this->SelectionOpacity,
+        in.Selection.Allocate(volume, in.Camera, in.Viewport[2], in.Viewport[3]));
+    if (image.rgba)
+    {
+      chi_occlusion_get_image(in.Renderer, &in.Image); // stands, unless the volume has changed
+    }
+    if (status != CHI_OK)
+    {
+      in.Selection.Forget();
+      this->SayOnce(
+        (std::string("the volume is not selected: ") + chi_status_string(status)).c_str(), true);
+      return;
+    }
+  }
+  if (!in.Selection.Draw(renderer, in.Camera, *in.Input.GetVolume()))
+  {
+    this->SayOnce("the shader that draws the selection could not be built", true);
+  }
+}
+
+//------------------------------------------------------------------------------
 void vtkChiCombinedOcclusionVolumeMapper::Surface(vtkRenderer* renderer)
 {
   Internals& in = *this->Internal;
@@ -373,18 +444,30 @@ void vtkChiCombinedOcclusionVolumeMapper::Surface(vtkRenderer* renderer)
 }
 
 //------------------------------------------------------------------------------
-bool vtkChiCombinedOcclusionVolumeMapper::RenderEngine()
+bool vtkChiCombinedOcclusionVolumeMapper::PrepareEngine()
 {
   Internals& in = *this->Internal;
-  const vtkChiExec exec(nullptr); // no events while drawing, so no abort and no progress
   if (!in.Renderer)
   {
+    const vtkChiExec exec(nullptr);
     const chi_status created = chi_occlusion_create(exec.Get(), &in.Renderer);
     if (created != CHI_OK)
     {
       this->SayOnce(chi_status_string(created), true);
       return false;
     }
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiCombinedOcclusionVolumeMapper::RenderEngine()
+{
+  Internals& in = *this->Internal;
+  const vtkChiExec exec(nullptr); // no events while drawing, so no abort and no progress
+  if (!this->PrepareEngine())
+  {
+    return false;
   }
   const chi_surface_view* surface = in.Frame->GetGeometry()->GetView();
   in.HasSurface = surface != nullptr;
@@ -394,21 +477,12 @@ bool vtkChiCombinedOcclusionVolumeMapper::RenderEngine()
     in.Stats = {};
     return false; // nothing there, nothing wrong
   }
-  chi_occlusion_frame frame = {};
-  frame.struct_size = sizeof(frame);
-  frame.camera = in.Camera.Get();
-  frame.volume = in.HasVolume ? in.Input.GetVolume() : nullptr;
-  frame.transfer = in.HasVolume ? in.Input.GetTransfer() : nullptr;
+  chi_occlusion_frame frame = in.MakeFrame();
   // the share of a pixel that an edge covers is drawn once
   chi_surface_view whole = surface ? *surface : chi_surface_view{};
   whole.end = whole.edge_depth = whole.edge_rgba = nullptr;
   frame.surface = surface && !in.First ? &whole : surface;
   frame.layers = layers;
-  frame.shading = in.HasVolume ? in.Input.GetShading()->GetShading() : nullptr;
-  frame.params = &in.Params;
-  frame.clip_planes = in.Input.GetClipPlanes().data();
-  frame.clip_plane_count = in.HasVolume ? in.Input.GetClipPlanes().size() / 4 : 0;
-  frame.crop = in.HasVolume ? in.Masks.GetCrop() : nullptr;
   const chi_status status = chi_occlusion_render(exec.Get(), in.Renderer, &frame);
   in.Stats.struct_size = sizeof(in.Stats);
   chi_occlusion_get_stats(in.Renderer, &in.Stats);
@@ -472,7 +546,12 @@ void vtkChiCombinedOcclusionVolumeMapper::Composite(vtkRenderer* renderer, vtkVo
 void vtkChiCombinedOcclusionVolumeMapper::Report()
 {
   Internals& in = *this->Internal;
-  this->TimeToDraw = in.SecondsTotal;
+  in.UsedSampleDistance = in.HasVolume ? in.Stats.sample_distance : 0.0;
+  if (!in.Stats.reused && in.Image.rgba) // a picture drawn again says nothing of the next one
+  {
+    this->TimeToDraw = in.SecondsTotal;
+    in.Quality.Report(in.Stats.seconds_total, in.SecondsTotal);
+  }
   if (in.HasVolume && in.Image.rgba)
   {
     in.Errors.clear();
@@ -498,6 +577,7 @@ void vtkChiCombinedOcclusionVolumeMapper::ReleaseGraphicsResources(vtkWindow* wi
 {
   Internals& in = *this->Internal;
   in.Compositor.ReleaseGraphicsResources(window);
+  in.Selection.ReleaseGraphicsResources(window);
   if (in.Frame && window) // vtkRenderer::SetRenderWindow says null before the first frame
   {
     in.Frame->GetGeometry()->ReleaseGraphicsResources(window);

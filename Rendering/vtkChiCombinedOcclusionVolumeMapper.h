@@ -26,7 +26,8 @@
  *
  * <b>What is not supported yet</b> is named in a warning, once for each cause, and the picture is
  * drawn without it: two-dimensional transfer functions, several components (the first one is
- * drawn), other blend modes, label maps, blanking, cubic interpolation, sheared projections.
+ * drawn), other blend modes, label maps, blanking, cubic interpolation, sheared projections
+ * (stereo in parallel projection is one).
  *
  * <b>Opaque geometry.</b> The pixels of opaque geometry are rewritten once a frame, by the first of
  * these mappers: shaded colour times visibility, under the volume. Where rewriting would lose what
@@ -44,6 +45,19 @@
  * where the renderer has a pass of its own or does not erase, that frame shows VTK's drawing below
  * the volume. With several volumes, layers go with the first that is drawn. Translucent props
  * whose mappers ignore render passes are left to VTK, and named once.
+ *
+ * <b>Interaction.</b> Frames that VTK allots less than a second are drawn as well as fits into that
+ * time, the next still frame in full (AutoAdjustQuality). Brightness stays: within 0.8 % in the
+ * tests. Opaque geometry is drawn in full in all of them, but without anti-aliasing where the
+ * picture is smaller; translucent layers are as coarse as the volume.
+ *
+ * <b>Selection.</b> Hardware selection and the pickers that rest on it find the volume where it is
+ * opaque enough (SelectionOpacity), at that depth, with the ids of points or cells. vtkCellPicker
+ * casts its own rays through the input, as with any volume mapper.
+ *
+ * <b>Windows.</b> The frame buffer's alpha is that of VTK's own volume mappers: premultiplied, over
+ * whatever background, layer or viewport. Each eye of a stereo pair in perspective sees the volume
+ * from its own place.
  *
  * <b>Several volumes</b> in a renderer do not shade each other; each shades, and is shaded by, the
  * geometry. Disjoint volumes are composited in the order of their depth at each pixel, whatever the
@@ -199,7 +213,8 @@ public:
   /**
    * Visibility is read this much nearer to the eye than the sample, in world units; without it an
    * opaque surface shadows itself to half its brightness. Negative values, the default being -1,
-   * stand for 1.5 voxels for geometry and, so that steps of opacity show no rings, 2 for the volume.
+   * stand for 1.5 voxels for geometry and, so that steps of opacity show no rings, 2 for the
+   * volume.
    */
   vtkSetMacro(OcclusionBias, double);
   vtkGetMacro(OcclusionBias, double);
@@ -392,6 +407,49 @@ public:
    */
   vtkIdType GetNumberOfSkipped(int kind);
 
+  ///@{
+  /**
+   * Draw what fits into the time that VTK allots (vtkProp::GetAllocatedRenderTime, from
+   * vtkRenderWindow::SetDesiredUpdateRate) in interactive frames: fewer directions, wider slices, a
+   * picture of half the size or less, enlarged along the edges of the geometry, which itself is
+   * drawn in full. How fast this machine is is learned from frame to frame. Default on.
+   */
+  vtkSetMacro(AutoAdjustQuality, bool);
+  vtkGetMacro(AutoAdjustQuality, bool);
+  vtkBooleanMacro(AutoAdjustQuality, bool);
+  ///@}
+
+  ///@{
+  /**
+   * A frame is interactive when it is allotted less than 1 / InteractiveUpdateRate seconds. Default
+   * 1 per second, as in VTK's mappers.
+   */
+  vtkSetClampMacro(InteractiveUpdateRate, double, 1.0e-10, 1.0e10);
+  vtkGetMacro(InteractiveUpdateRate, double);
+  ///@}
+
+  ///@{
+  /**
+   * What the last frame was drawn with: directions of light; world units between slices, 0 where
+   * there was no volume in view; pixels of the viewport a pixel computed, in both directions.
+   */
+  int GetUsedNumberOfDirections();
+  double GetUsedSampleDistance();
+  int GetUsedImageReduction();
+  ///@}
+
+  ///@{
+  /**
+   * Hardware selection (vtkHardwareSelector, vtkPropPicker) finds the volume where its accumulated
+   * opacity along the ray reaches this, at the depth where it does: geometry in front of that is
+   * found before the volume, geometry behind it is not. Ids are those of the points (the nearest)
+   * or cells of the image that is drawn. 0.001 to 0.99; default 1/255, the least that can be seen;
+   * larger values reach through haze.
+   */
+  vtkSetClampMacro(SelectionOpacity, double, 0.001, 0.99);
+  vtkGetMacro(SelectionOpacity, double);
+  ///@}
+
   /**
    * Copy the last frame of this mapper into `image`: point scalars "RGBA", four floats a pixel,
    * premultiplied colour and alpha, of the volume over the shaded opaque geometry, without
@@ -487,7 +545,7 @@ public:
 
   /**
    * Called by vtkVolume. Draws into the frame buffer that is bound, within the viewport that is
-   * set; draws nothing while a selection is made.
+   * set; ids instead of colours while a selection is made.
    */
   void Render(vtkRenderer* renderer, vtkVolume* volume) override;
   void ReleaseGraphicsResources(vtkWindow* window) override;
@@ -523,6 +581,9 @@ protected:
   int GeometryAntiAliasing = GEOMETRY_ALIASED;
   bool Skipping = true;
   int SkippingMask = SKIP_EVERY_KIND;
+  bool AutoAdjustQuality = true;
+  double InteractiveUpdateRate = 1.0;
+  double SelectionOpacity = 1.0 / 255.0;
 
 private:
   vtkChiCombinedOcclusionVolumeMapper(const vtkChiCombinedOcclusionVolumeMapper&) = delete;
@@ -533,10 +594,13 @@ private:
   void Surface(vtkRenderer* renderer);
   bool RenderEngine();
   void Composite(vtkRenderer* renderer, vtkVolume* volume);
+  void RenderSelection(vtkRenderer* renderer, vtkVolume* volume);
   void Report();
 
   void CollectUnsupported(vtkVolume* volume);
   void CollectParameters();
+  void CollectQuality(double seconds);
+  bool PrepareEngine();
   void SayOnce(const char* what, bool isError = false);
 
   struct Internals;

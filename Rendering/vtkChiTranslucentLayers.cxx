@@ -13,6 +13,7 @@
 #include "vtkActor2D.h"
 #include "vtkInformation.h"
 #include "vtkInformationIntegerKey.h"
+#include "vtkLODProp3D.h"
 #include "vtkOpenGLActor.h"
 #include "vtkOpenGLRenderWindow.h"
 #include "vtkOpenGLState.h"
@@ -58,6 +59,11 @@ std::vector<vtkProp*> vtkChiTranslucentLayers::Find(vtkRenderer* renderer) const
   props->InitTraversal(cookie);
   while (vtkProp* prop = props->GetNextProp(cookie))
   {
+    if (vtkLODProp3D* levels = vtkLODProp3D::SafeDownCast(prop))
+    {
+      // it has chosen no level before its first frame, and complains when it is asked
+      levels->SetAllocatedRenderTime(levels->GetAllocatedRenderTime(), renderer);
+    }
     if (prop->GetVisibility() && !vtkVolume::SafeDownCast(prop) &&
       !vtkActor2D::SafeDownCast(prop) && prop->HasTranslucentPolygonalGeometry() &&
       std::find(this->Foreign.begin(), this->Foreign.end(), prop) == this->Foreign.end())

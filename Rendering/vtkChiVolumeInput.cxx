@@ -417,6 +417,15 @@ bool vtkChiVolumeInput::CollectTransfer(vtkVolumeProperty* property, vtkMTimeTyp
   else
   {
     color->GetTable(range[0], range[1], count, colors.data());
+    if (color->GetSize() == 1) // where a sample hits the only node, VTK's table says black
+    {
+      double node[6];
+      color->GetNodeValue(0, node);
+      for (std::size_t i = 0; i < colors.size(); ++i)
+      {
+        colors[i] = static_cast<float>(node[1 + i % 3]);
+      }
+    }
   }
   const auto clamp = [](float value)
   { return std::isfinite(value) ? std::min(std::max(value, 0.0f), 1.0f) : 0.0f; };

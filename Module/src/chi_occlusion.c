@@ -33,7 +33,7 @@ typedef struct frame_key
   double world_to_eye[16], window[4], near_depth;
   double index_to_world[16];
   double cone_angle, strength, sample_distance, bias, thickness;
-  double geometry_opacity, vicinity_distance, vicinity_bias;
+  double geometry_opacity, vicinity_distance, vicinity_bias, coarsening;
   double clip_planes[4 * CHI_MAX_CLIP_PLANES], crop_planes[24];
   const void* depth;
   const void* layers[2];
@@ -41,7 +41,7 @@ typedef struct frame_key
   uint64_t surface_version, layers_version;
   double lights[11]; /* directions, the second one's cone and share, attenuation */
   chi_shading_key shading;
-  int64_t integers[16];
+  int64_t integers[17];
 } frame_key;
 
 struct chi_occlusion
@@ -49,6 +49,7 @@ struct chi_occlusion
   chi_bricks bricks;
   chi_classification classification;
   chi_march march;
+  chi_reduction reduction;
   chi_buffer rgba, visibility;
   volume_key volume;
   transfer_key transfer;
@@ -107,6 +108,7 @@ void chi_occlusion_destroy(const chi_exec* exec, chi_occlusion* occlusion)
   chi_bricks_free(exec, &occlusion->bricks);
   chi_classification_free(exec, &occlusion->classification);
   chi_march_free(exec, &occlusion->march);
+  chi_reduction_free(exec, &occlusion->reduction);
   chi_buffer_free(exec, &occlusion->rgba);
   chi_buffer_free(exec, &occlusion->visibility);
   chi_plan_free(exec, &occlusion->plan);
@@ -195,7 +197,8 @@ static int params_are_valid(const chi_occlusion_params* p)
     p->geometry_opacity >= 0 && p->geometry_opacity <= 1 && p->vicinity_samples >= 0 &&
     p->vicinity_samples <= CHI_MAX_VICINITY_SAMPLES && p->vicinity_distance >= 0 &&
     isfinite(p->vicinity_distance) && p->vicinity_bias >= 0 && isfinite(p->vicinity_bias) &&
-    p->skip >= 0;
+    p->skip >= 0 && p->reduction >= 0 && p->reduction <= 4 &&
+    (p->coarsening == 0 || (p->coarsening >= 1 && p->coarsening <= 64));
 }
 
 static int surface_is_valid(const chi_surface_view* s)
@@ -267,6 +270,7 @@ static frame_key key_of_frame(const chi_occlusion_frame* frame)
   key.geometry_opacity = p->geometry_opacity;
   key.vicinity_distance = p->vicinity_distance;
   key.vicinity_bias = p->vicinity_bias;
+  key.coarsening = p->coarsening;
   memcpy(key.lights, p->light_direction, sizeof p->light_direction);
   memcpy(key.lights + 3, p->second_light_direction, sizeof p->second_light_direction);
   key.lights[6] = p->second_light_cone_angle_rad;
@@ -306,7 +310,7 @@ static frame_key key_of_frame(const chi_occlusion_frame* frame)
     p->half_size, p->interactions, p->skip, frame->volume != NULL, frame->surface != NULL,
     frame->volume ? frame->volume->is_cell_data : 0, p->combine, p->vicinity_samples,
     (int64_t)frame->clip_plane_count, frame->layers ? frame->layers->count : 0,
-    frame->crop ? (int64_t)frame->crop->regions : -1 };
+    frame->crop ? (int64_t)frame->crop->regions : -1, p->reduction };
   memcpy(key.integers, integers, sizeof integers);
   return key;
 }
@@ -393,6 +397,14 @@ static chi_status prepare_volume(
   return status;
 }
 
+static chi_status build_scene(chi_scene* scene, const chi_occlusion_frame* frame)
+{
+  double extent[2];
+  surface_extent(frame, extent);
+  memset(scene, 0, sizeof *scene);
+  return chi_scene_build(scene, frame, extent[0], extent[1]);
+}
+
 chi_status chi_occlusion_render(
   const chi_exec* exec, chi_occlusion* o, const chi_occlusion_frame* frame)
 {
@@ -402,16 +414,24 @@ chi_status chi_occlusion_render(
     return status;
   }
   const double t0 = chi_seconds();
-  double extent[2];
-  surface_extent(frame, extent);
+  const int reduction = chi_reduction_of(frame);
+  const chi_occlusion_frame* drawn = frame;
+  if (reduction > 1)
+  {
+    status = chi_reduce(exec, &o->reduction, frame, reduction);
+    drawn = &o->reduction.frame;
+  }
   chi_scene scene;
-  memset(&scene, 0, sizeof scene);
-  status = chi_scene_build(&scene, frame, extent[0], extent[1]);
+  if (status == CHI_OK)
+  {
+    status = build_scene(&scene, drawn);
+  }
   if (status != CHI_OK)
   {
     return status;
   }
   o->stats = (chi_occlusion_stats){ .struct_size = sizeof o->stats };
+  o->stats.sample_distance = scene.volume_end > scene.volume_begin ? scene.slice : 0;
   for (int k = 0; k < scene.lights; ++k)
   {
     o->stats.moved_lights += scene.light[k].moved;
@@ -433,7 +453,7 @@ chi_status chi_occlusion_render(
     return CHI_OK;
   }
   o->has_frame = 0;
-  const size_t pixels = (size_t)scene.width * (size_t)scene.height;
+  const size_t pixels = (size_t)frame->camera->width * (size_t)frame->camera->height;
   if (status == CHI_OK &&
     (!chi_buffer_reserve(exec, &o->rgba, pixels, 4 * sizeof(float)) ||
       !chi_buffer_reserve(
@@ -444,16 +464,23 @@ chi_status chi_occlusion_render(
   chi_march_result result = { 0 };
   if (status == CHI_OK)
   {
-    status = chi_march_run(exec, &o->march, &scene, &o->bricks, &o->classification, frame,
-      (float*)o->rgba.data, (float*)o->visibility.data, &result);
+    chi_buffer* const rgba = reduction > 1 ? &o->reduction.rgba : &o->rgba;
+    chi_buffer* const visibility = reduction > 1 ? &o->reduction.visibility : &o->visibility;
+    status = chi_march_run(exec, &o->march, &scene, &o->bricks, &o->classification, drawn,
+      (float*)rgba->data, (float*)visibility->data, &result);
+  }
+  if (status == CHI_OK && reduction > 1)
+  {
+    status = chi_enlarge(exec, &o->reduction, frame, &scene, reduction, (float*)o->rgba.data,
+      (float*)o->visibility.data);
   }
   if (status == CHI_OK)
   {
     o->frame = key;
     o->has_frame = 1;
     o->colors = scene.channels > 1 ? 3 : 1;
-    o->width = scene.width;
-    o->height = scene.height;
+    o->width = frame->camera->width;
+    o->height = frame->camera->height;
   }
   o->stats.slices = (scene.volume_end - scene.volume_begin) * scene.group;
   o->stats.light_slices = scene.slabs;
@@ -517,6 +544,61 @@ chi_status chi_occlusion_describe(const chi_exec* exec, chi_occlusion* o,
   o->stats.slices = (scene.volume_end - scene.volume_begin) * scene.group;
   o->stats.light_slices = scene.slabs;
   o->stats.seconds_total = chi_seconds() - t0;
+  return status;
+}
+
+static void clear_depths(void* data, size_t begin, size_t end)
+{
+  for (size_t i = begin; i < end; ++i)
+  {
+    ((float*)data)[i] = INFINITY;
+  }
+}
+
+chi_status chi_occlusion_find_depth(const chi_exec* exec, chi_occlusion* o,
+  const chi_occlusion_frame* frame, double alpha, float* depth)
+{
+  chi_status status =
+    o && depth && alpha > 0 && alpha < 1 ? check_frame(frame) : CHI_ERROR_INVALID_ARGUMENT;
+  if (status != CHI_OK)
+  {
+    return status;
+  }
+  const chi_occlusion_stats stats = o->stats;
+  chi_occlusion_params params = *frame->params;
+  params.strength = 0; /* the plain ray cast */
+  params.colored_attenuation = 0;
+  params.skip |= CHI_SKIP_SATURATED_RAYS | CHI_SKIP_BEHIND_GEOMETRY;
+  chi_occlusion_frame plain = *frame;
+  plain.params = &params;
+  plain.layers = NULL;
+  plain.probes = NULL;
+  chi_surface_view surface;
+  if (frame->surface)
+  {
+    surface = *frame->surface;
+    surface.edge_depth = surface.edge_rgba = NULL;
+    plain.surface = &surface;
+  }
+  chi_scene scene;
+  status = build_scene(&scene, &plain);
+  status = status == CHI_OK
+    ? chi_for(exec, (size_t)scene.width * (size_t)scene.height, clear_depths, depth)
+    : status;
+  if (status == CHI_OK && frame->volume)
+  {
+    status = prepare_volume(exec, o, &plain, &scene);
+    if (status == CHI_OK)
+    {
+      chi_march_result result = { 0 };
+      o->march.crossing = depth;
+      o->march.crossing_transmittance = (float)(1 - alpha);
+      status = chi_march_run(
+        exec, &o->march, &scene, &o->bricks, &o->classification, &plain, NULL, NULL, &result);
+      o->march.crossing = NULL;
+    }
+  }
+  o->stats = stats;
   return status;
 }
 

@@ -249,12 +249,31 @@ typedef struct chi_march_result
 /* Buffers of the march, kept between frames. */
 typedef struct chi_march
 {
+  float* crossing;    /* NULL, or [height][width]: depths where the transmittance gets down to ... */
+  float crossing_transmittance;
   chi_buffer planes; /* float, picture-sized state; see chi_occlusion_march.c */
   chi_buffer cells, last_slab, live, live_row, sampled, done, order, reach, steps, ranges, scratch;
   chi_buffer layers, layer_flags; /* see chi_layers.c */
   chi_light_field field[2][3];    /* for the volume, for geometry; [channels] */
   chi_buffer tint;                /* float; see chi_occlusion_march.h */
 } chi_march;
+
+/* A frame at a fraction of the resolution; chi_reduction.c. */
+typedef struct chi_reduction
+{
+  chi_buffer depth, rgba, visibility, layer_depth, layer_rgba;
+  chi_occlusion_frame frame;
+  chi_camera camera;
+  chi_surface_view surface;
+  chi_layers_view layers;
+} chi_reduction;
+
+int chi_reduction_of(const chi_occlusion_frame* frame);
+chi_status chi_reduce(
+  const chi_exec* exec, chi_reduction* out, const chi_occlusion_frame* frame, int n);
+chi_status chi_enlarge(const chi_exec* exec, chi_reduction* from, const chi_occlusion_frame* frame,
+  const chi_scene* scene, int n, float* rgba, float* visibility);
+void chi_reduction_free(const chi_exec* exec, chi_reduction* reduction);
 
 chi_status chi_march_run(const chi_exec* exec, chi_march* march, const chi_scene* scene,
   const chi_bricks* bricks, const chi_classification* classification,

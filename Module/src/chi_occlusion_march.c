@@ -357,7 +357,7 @@ chi_status chi_march_run(const chi_exec* exec, chi_march* keep, const chi_scene*
   {
     chi_march_read_last_probes(&m);
   }
-  if (status == CHI_OK)
+  if (status == CHI_OK && rgba)
   {
     void* outputs[3] = { &m, rgba, visibility };
     status = chi_for(exec, (size_t)scene->height, store_rows, outputs);

@@ -259,7 +259,9 @@ static void clear_rows(void* data, size_t begin, size_t end)
 static chi_status set_sample_frame(march* m)
 {
   chi_sample_frame* const f = &m->sample;
-  f->saturated = m->skip & CHI_SKIP_SATURATED_RAYS ? CHI_SATURATED : -1;
+  f->saturated = m->keep->crossing      ? m->keep->crossing_transmittance
+    : m->skip & CHI_SKIP_SATURATED_RAYS ? CHI_SATURATED
+                                        : -1;
   if (!m->frame->volume)
   {
     return CHI_OK;

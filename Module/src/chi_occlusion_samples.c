@@ -95,6 +95,31 @@ static void set_row(const march* m, chi_sample_row* row, int64_t y, int64_t segm
   row->first = segment == s->volume_begin * s->group;
 }
 
+/* Where the rays of a run that are done now have got as opaque as asked, by the extinction that is
+ * constant from slice to slice. `before` is their transmittance at the near slice. */
+static void find_crossings(
+  const march* m, const chi_sample_row* row, int64_t y, const float* before, int x0, int x1)
+{
+  const chi_scene* const s = m->scene;
+  const float limit = m->keep->crossing_transmittance;
+  for (int x = x0; x < x1 && x < s->width; ++x)
+  {
+    const float after = row->transmittance[x];
+    if (before[x] > limit && after <= limit)
+    {
+      const double near = (double)row->near_slice;
+      const double from = row->enter ? fmax(near, (double)row->enter[x]) : near;
+      double to = row->enter ? fmin(near + 1, (double)row->leave[x]) : near + 1;
+      to = row->surface ? fmin(to, fmax(from, (double)row->surface[x])) : to;
+      const double share = after > 0
+        ? log((double)before[x] / (double)limit) / log((double)before[x] / (double)after)
+        : 0;
+      m->keep->crossing[y * s->width + x] =
+        (float)(s->start + (from + share * (to - from)) * s->slice);
+    }
+  }
+}
+
 void chi_march_sample_row(
   march* m, int64_t slab, int64_t y, const uint8_t* need, chi_sample_row* row)
 {
@@ -160,7 +185,16 @@ void chi_march_sample_row(
       }
       row->any_tau = 0;
       const int layered = m->layers && chi_layers_before(m, row, y, cx, end);
+      float* const before = m->keep->crossing ? picture(m, ROW_VISIBILITY, y) : NULL;
+      if (before) /* there is no light then, and the plane is free */
+      {
+        memcpy(before + x0, row->transmittance + x0, (size_t)(x1 - x0) * sizeof(float));
+      }
       m->kernels->sample(row, x0, x1);
+      if (before)
+      {
+        find_crossings(m, row, y, before, x0, x1);
+      }
       if (layered)
       {
         chi_layers_after(m, row, y, cx, end);

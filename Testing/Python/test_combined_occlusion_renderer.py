@@ -282,7 +282,7 @@ class Renderer(unittest.TestCase):
                     self.assertGreater(mapper.GetSecondsTotal(), 0.0)
                     self.assertEqual(pixels[20, 20, 0], 1.0 if geometry else 0.0)
 
-    def test_a_selection_finds_the_actor_behind_the_volume(self):
+    def test_a_selection_finds_the_volume_and_the_actor_that_stands_out_of_it(self):
         scene = Scene((64, 64))
         self.fill(scene, scene.renderer)
         target = scene.renderer.GetActors().GetLastActor()
@@ -293,7 +293,7 @@ class Renderer(unittest.TestCase):
         selector.SetFieldAssociation(vtkDataObject.FIELD_ASSOCIATION_CELLS)
         selection = selector.Select()
         props = {selection.GetNode(i).GetProperties().Get(selection.GetNode(i).PROP()) for i in range(selection.GetNumberOfNodes())}
-        self.assertEqual(props, {target})
+        self.assertEqual(props, {target, scene.renderer.GetVolumes().GetLastProp()})
 
     def test_depth_peeling_of_volumes_gives_the_same_picture(self):
         pictures = []

@@ -97,7 +97,8 @@ typedef struct chi_occlusion_params
                                finite thickness in all, over an infinite one in every slab */
   int32_t vicinity_samples; /**< of surfaces by surfaces nearby, 0 (none) ... 118; default 32. Part
                                of CHI_GEOMETRY_TO_GEOMETRY */
-  int32_t reserved;
+  int32_t reduction; /**< 2 ... 4: a picture of so many times fewer pixels a side, enlarged along
+                        the edges of the surface's depth; 0, 1 = full (default). Not with probes */
   double vicinity_distance; /**< l_vicinity of Schott et al. 2013, world units: the radius is l tan
                                of the cone's angle; 0 = none (default) */
   double vicinity_bias;     /**< > 0: a neighbour blocks when nearer than the surface less so much,
@@ -121,6 +122,8 @@ typedef struct chi_occlusion_params
   double attenuation[3];
   int32_t colored_attenuation;
   int32_t reserved_too;
+  double coarsening; /**< slices so many times as far apart as sample_distance or a voxel says, 1
+                        ... 64; 0 = 1 (default) */
 } chi_occlusion_params;
 
 /** Visibility at chosen points, for tests and for users who measure. */
@@ -193,7 +196,8 @@ typedef struct chi_occlusion_stats
    * light; of unchanged the number of stages, 0 ... 3. Work that two kinds spare is counted for
    * one. */
   int64_t skipped[CHI_SKIP_KINDS];
-  int64_t light_bytes; /**< of light buffers that this frame used; 0 without occlusion */
+  int64_t light_bytes;    /**< of light buffers that this frame used; 0 without occlusion */
+  double sample_distance; /**< between slices, world units; 0 without any */
 } chi_occlusion_stats;
 
 /** The defaults named above. Infallible. */
@@ -227,6 +231,26 @@ CHI_API void chi_occlusion_destroy(const chi_exec* exec, chi_occlusion* occlusio
  */
 CHI_API CHI_NODISCARD chi_status chi_occlusion_render(
   const chi_exec* exec, chi_occlusion* occlusion, const chi_occlusion_frame* frame);
+
+/**
+ * Depth at which the volume becomes as opaque as asked, along the ray of each pixel: where one
+ * points at when one points at a volume.
+ *
+ * @param[in]     exec       as of chi_occlusion_render
+ * @param[in,out] occlusion  renderer; its last picture and statistics stand, unless the volume or
+ * the transfer function have changed since
+ * @param[in]     frame      scene; light, translucent layers, probes and reduction are not looked
+ * at
+ * @param[in]     alpha      accumulated opacity, between 0 and 1, both excluded
+ * @param[out]    depth      [height x width] along the view axis, world units; INFINITY where the
+ *                           volume stays more transparent, or becomes so only behind the surface
+ *
+ * @retval as of chi_occlusion_render; in all cases but CHI_OK the depths are undefined
+ *
+ * Precision    exact for an extinction that is constant from slice to slice; else within a slice.
+ */
+CHI_API CHI_NODISCARD chi_status chi_occlusion_find_depth(const chi_exec* exec,
+  chi_occlusion* occlusion, const chi_occlusion_frame* frame, double alpha, float* depth);
 
 /** The last picture; all zero and NULL before the first, or where the last frame lost it. */
 CHI_API void chi_occlusion_get_image(const chi_occlusion* occlusion, chi_occlusion_image* image);

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef vtkChiSelection_h
+#define vtkChiSelection_h
+
+#include "vtkChiCameraView.h"
+
+#include <chiaroscuro/chi_volume.h>
+
+#include "vtkNew.h"
+#include "vtkRenderWindow.h"
+#include "vtkTextureObject.h"
+#include "vtkWeakPointer.h"
+
+#include <cstddef>
+#include <vector>
+
+class vtkHardwareSelector;
+class vtkOpenGLQuadHelper;
+class vtkRenderer;
+class vtkVolume;
+
+// Draws a volume into the buffers of vtkHardwareSelector: in every pixel in which it is opaque
+// enough, the colour that the pass asks for, at the depth where it gets so.
+class vtkChiSelection
+{
+public:
+  vtkChiSelection();
+  ~vtkChiSelection();
+  vtkChiSelection(const vtkChiSelection&) = delete;
+  void operator=(const vtkChiSelection&) = delete;
+
+  // Whether the depths of the pass before are those of this one: passes of one selection follow
+  // each other without a change of the scene.
+  bool IsKnown(vtkHardwareSelector* selector, vtkVolume* volume, const vtkChiCameraView& camera,
+    int width, int height) const;
+  // Place for [height x width] depths along the view axis, infinite where there is nothing.
+  float* Allocate(vtkVolume* volume, const vtkChiCameraView& camera, int width, int height);
+  // Returns false where the shader cannot be built.
+  bool Draw(vtkRenderer* renderer, const vtkChiCameraView& camera, const chi_volume_view& samples);
+  void Forget() { this->Volume = nullptr; }
+  void ReleaseGraphicsResources(vtkWindow* window);
+
+private:
+  void SetColors(vtkHardwareSelector* selector, const chi_camera& camera,
+    const chi_volume_view& samples, int pass, std::vector<float>& pixels) const;
+  bool DrawQuad(vtkRenderer* renderer, const std::vector<float>& pixels);
+
+  vtkOpenGLQuadHelper* Quad = nullptr;
+  vtkWeakPointer<vtkRenderWindow> QuadWindow;
+  vtkNew<vtkTextureObject> Texture;
+  vtkVolume* Volume = nullptr; // compared, never used
+  std::vector<float> Depths;
+  double View[16] = {};
+  double Projection[16] = {};
+  int Width = 0;
+  int Height = 0;
+};
+
+#endif
