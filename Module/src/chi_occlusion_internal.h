@@ -112,6 +112,10 @@ typedef struct chi_scene
   /* Colours of light that are attenuated differently: 1, each red, green and blue, or in between */
   int channels, channel_of[3];
   float factor[3]; /* [channels] of the optical thickness */
+  /* Light pixels by which light planes lie aside in turn, so that shifts of whole pixels are blurred
+   * as others are; theory/occlusion.md, "Steps" */
+  float zigzag[2][CHI_MAX_ORDINATES];
+  int64_t zigzag_phase; /* slabs */
   int published;
 } chi_scene;
 
@@ -217,7 +221,7 @@ typedef struct chi_light_field
   int volume, geometry;  /* what blocks it */
   chi_buffer light[2];   /* [directions][rows][stride], padded with light from outside: 1 */
   chi_buffer visibility; /* [ring][rows][stride] */
-  chi_buffer dirty;      /* uint8 [2 + ring][rows][segments]: differs from 1 */
+  chi_buffer tiles;      /* uint8 [2 + ring][rows][segments]: TILE_... */
 } chi_light_field;
 
 /* The kinds of skipping that are on, as one bit each. */

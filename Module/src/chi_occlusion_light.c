@@ -5,26 +5,55 @@
 #include "chi_occlusion_march.h"
 
 #include <math.h>
+#include <string.h>
 
-static int source_is_dirty(
+/* What light there is where a piece's comes from; outside the picture it is bright. */
+static int state_of_source(
   const march* m, const chi_light_field* f, int64_t side, int64_t y, int segment)
 {
+  const int64_t height = m->scene->light_height;
   const int64_t low = y > m->skew ? y - m->skew : 0;
-  const int64_t high =
-    y + m->skew < m->scene->light_height ? y + m->skew : m->scene->light_height - 1;
+  const int64_t high = y + m->skew < height ? y + m->skew : height - 1;
   const int first = segment > m->shift_segments ? segment - m->shift_segments : 0;
   const int last =
     segment + m->shift_segments < m->segments ? segment + m->shift_segments : m->segments - 1;
-  int dirty = 0;
+  const int inside = y - m->skew >= 0 && y + m->skew < height && segment - m->shift_segments >= 0 &&
+    segment + m->shift_segments < m->segments;
+  int state = inside ? 0 : TILE_BRIGHT;
   for (int64_t j = low; j <= high; ++j)
   {
-    const uint8_t* const flags = dirty_row(m, f, side, j);
+    const uint8_t* const flags = tile_row(m, f, side, j);
     for (int k = first; k <= last; ++k)
     {
-      dirty |= flags[k];
+      state |= flags[k];
     }
   }
-  return dirty;
+  return state;
+}
+
+static int is_dark(const float* seen, float below)
+{
+  int dark = 1;
+  for (int i = 0; i < CHI_SEGMENT; ++i)
+  {
+    dark &= seen[i] < below;
+  }
+  return dark;
+}
+
+static void fill_tile(float* out, size_t stride, int planes, int state)
+{
+  for (int d = 0; d < planes; ++d, out += stride)
+  {
+    if (state == TILE_BRIGHT)
+    {
+      chi_fill_ones(out, CHI_SEGMENT);
+    }
+    else
+    {
+      memset(out, 0, CHI_SEGMENT * sizeof(float));
+    }
+  }
 }
 
 static void light_piece(march* m, chi_light_field* f, float factor, int64_t slab, int64_t y, int k,
@@ -33,8 +62,8 @@ static void light_piece(march* m, chi_light_field* f, float factor, int64_t slab
   const chi_scene* const s = m->scene;
   const int64_t read = slab & 1, write = read ^ 1;
   const int x = k * CHI_SEGMENT;
-  uint8_t* const target_dirty = dirty_row(m, f, write, y) + k;
-  uint8_t* const seen_dirty = dirty_row(m, f, 2 + ring_slot(m, slab), y) + k;
+  uint8_t* const target_tile = tile_row(m, f, write, y) + k;
+  uint8_t* const seen_tile = tile_row(m, f, 2 + ring_slot(m, slab), y) + k;
   const int planes = s->published ? 1 : s->directions;
   const int64_t cost = (int64_t)s->directions * CHI_SEGMENT;
   float* const target = row_of_light(m, f, write, y) + x;
@@ -43,25 +72,28 @@ static void light_piece(march* m, chi_light_field* f, float factor, int64_t slab
   if (!needed)
   {
     counts->unreached += cost;
-    *target_dirty = *seen_dirty = 1; /* unknown, and nobody asks */
+    *target_tile = *seen_tile = TILE_MIXED; /* unknown, and nobody asks */
     return;
   }
+  const int skips = m->skip & CHI_SKIP_SATURATED_LIGHT;
+  const int source = skips ? state_of_source(m, f, read, y, k) : TILE_MIXED;
   const int has_tau = f->volume && factor > 0 && m->tau_flag[y * m->segments + k];
-  const int blocked = f->geometry && chi_march_block_light(m, slab, y, k, geometry);
-  if ((m->skip & CHI_SKIP_SATURATED_LIGHT) && !has_tau && !blocked &&
-    !source_is_dirty(m, f, read, y, k))
+  const int blocked =
+    f->geometry && source != TILE_DARK && chi_march_block_light(m, slab, y, k, geometry);
+  /* What is dark stays dark; what is bright does where nothing stands in the way. */
+  if (source == TILE_DARK || (source == TILE_BRIGHT && !has_tau && !blocked))
   {
     counts->uniform += cost;
-    for (int d = 0; d < planes && *target_dirty; ++d)
+    if (*target_tile != source)
     {
-      chi_fill_ones(target + (size_t)d * m->light_stride, CHI_SEGMENT);
+      fill_tile(target, m->light_stride, planes, source);
     }
-    *target_dirty = 0;
-    if (*seen_dirty)
+    if (*seen_tile != source)
     {
-      chi_fill_ones(seen - (k == 0), CHI_SEGMENT + (k == 0));
-      *seen_dirty = 0;
+      fill_tile(seen, m->light_stride, 1, source);
+      seen[-1] = k == 0 ? seen[0] : seen[-1];
     }
+    *target_tile = *seen_tile = (uint8_t)source;
     return;
   }
   float length[CHI_MAX_ORDINATES], length_x[CHI_MAX_ORDINATES];
@@ -94,7 +126,12 @@ static void light_piece(march* m, chi_light_field* f, float factor, int64_t slab
   {
     seen[-1] = seen[0]; /* the enlargement reads one pixel beyond the picture */
   }
-  *target_dirty = *seen_dirty = 1;
+  *target_tile = *seen_tile = TILE_MIXED;
+  if (skips && is_dark(seen, m->dark_below))
+  {
+    fill_tile(target, m->light_stride, planes, TILE_DARK);
+    *target_tile = TILE_DARK;
+  }
   counts->updates += cost;
 }
 

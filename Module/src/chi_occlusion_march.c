@@ -408,7 +408,7 @@ void chi_march_free(const chi_exec* exec, chi_march* keep)
       chi_buffer_free(exec, &field->light[0]);
       chi_buffer_free(exec, &field->light[1]);
       chi_buffer_free(exec, &field->visibility);
-      chi_buffer_free(exec, &field->dirty);
+      chi_buffer_free(exec, &field->tiles);
     }
   }
 }

@@ -51,6 +51,14 @@ enum
   LIGHT_PLANES
 };
 
+/* What is known of the light of CHI_SEGMENT pixels, all directions. Joined by or. */
+enum
+{
+  TILE_BRIGHT = 1, /* 1 throughout */
+  TILE_DARK = 2,   /* 0 throughout */
+  TILE_MIXED = 3
+};
+
 /* What a cell of pixels needs in a block of slabs. */
 enum
 {
@@ -121,6 +129,7 @@ typedef struct march
   float* layer_next;   /* [rows][cells_x] depth of the nearest layer that is not blended yet */
   float* layer_steps;  /* [light rows][segments][2] first and last step that lights a layer */
   uint8_t* layer_done; /* [rows][stride] bits: slots of a pixel that are blended */
+  float dark_below;    /* visibility of a tile that is dark in all directions */
   int fields;
   int surface_field;
   int skip; /* CHI_SKIP_... kinds that are on */
@@ -185,9 +194,9 @@ static inline float* visibility_row(
 }
 
 /* Flags of a row: sides 0 and 1 of the light, then the ring of visibility planes. */
-static inline uint8_t* dirty_row(const march* m, const chi_light_field* f, int64_t which, int64_t y)
+static inline uint8_t* tile_row(const march* m, const chi_light_field* f, int64_t which, int64_t y)
 {
-  return (uint8_t*)f->dirty.data +
+  return (uint8_t*)f->tiles.data +
     (size_t)(which * m->scene->light_height + y) * (size_t)m->segments;
 }
 

@@ -12,6 +12,13 @@ static size_t round_up(size_t x, size_t to)
   return (x + to - 1) / to * to;
 }
 
+/* Light planes lie aside of their place by the zigzag, to this side and that in turn; which of both
+ * does not depend on where the first one lies, so that cutting a volume moves none. */
+static double side_of(const chi_scene* s, int64_t slab)
+{
+  return (s->zigzag_phase + slab) & 1 ? 1 : -1;
+}
+
 /* The shift of one direction from the light plane before this one: whole light pixels, and the
  * weights of the four taps there. */
 void chi_scene_step(
@@ -22,8 +29,13 @@ void chi_scene_step(
                                      chi_scene_depth(s, (double)slab + 0.5));
   /* Farther than the picture is wide, light comes from outside: the padding is that wide. */
   const double wide = s->light_width + 1, high = s->light_height + 1;
-  const double dx = fmin(fmax((double)s->tangent[0][direction] * s->pixels_x * shift, -wide), wide);
-  const double dy = fmin(fmax((double)s->tangent[1][direction] * s->pixels_y * shift, -high), high);
+  const double aside = side_of(s, slab) - side_of(s, slab - 1);
+  const double straight_x = (double)s->tangent[0][direction] * s->pixels_x * shift;
+  const double straight_y = (double)s->tangent[1][direction] * s->pixels_y * shift;
+  const double dx =
+    fmin(fmax(straight_x + aside * (double)s->zigzag[0][direction], -wide), wide);
+  const double dy =
+    fmin(fmax(straight_y + aside * (double)s->zigzag[1][direction], -high), high);
   const double i = floor(dx), j = floor(dy), u = dx - i, v = dy - j;
   offset[0] = (int32_t)i;
   offset[1] = (int32_t)j;
@@ -102,6 +114,17 @@ static void plan_order(march* m)
   }
 }
 
+/* Mean visibility below which no direction can have 2^-10 left, a quarter of 1/255. */
+static float dark_below(const chi_scene* s)
+{
+  float least = 1;
+  for (int d = 0; d < s->directions && !s->published; ++d)
+  {
+    least = fminf(least, s->weight[d]);
+  }
+  return 0x1p-10f * least;
+}
+
 static void fill_field(void* data, size_t begin, size_t end)
 {
   float* const out = (float*)data;
@@ -132,11 +155,11 @@ static chi_status clear_field(march* m, chi_light_field* f, size_t light_floats)
     }
   }
   const size_t flags = (size_t)(2 + m->ring) * (size_t)m->scene->light_height * (size_t)m->segments;
-  if (!chi_buffer_reserve(m->exec, &f->dirty, flags, 1))
+  if (!chi_buffer_reserve(m->exec, &f->tiles, flags, 1))
   {
     return CHI_ERROR_OUT_OF_MEMORY;
   }
-  memset(f->dirty.data, 0, flags);
+  memset(f->tiles.data, TILE_BRIGHT, flags);
   return CHI_OK;
 }
 
@@ -365,6 +388,7 @@ chi_status chi_march_plan(march* m)
   {
     plan_steps(m);
     plan_order(m);
+    m->dark_below = dark_below(m->scene);
     status = chi_for(m->exec, m->rows, clear_rows, m);
   }
   return status;

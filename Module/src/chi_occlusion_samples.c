@@ -42,7 +42,7 @@ static const float* run_visibility(
   seg1 = seg1 < m->segments ? seg1 : m->segments - 1;
   const float* source[6];
   float weight[6], base = 1 - m->strength;
-  int dirty = 0, count = 0;
+  int state = TILE_BRIGHT, count = 0;
   for (int k = 0; k < 2 * row_count; ++k)
   {
     const int64_t i = first + k / row_count, row = rows[k % row_count];
@@ -58,13 +58,13 @@ static const float* run_visibility(
     }
     source[count] = visibility_row(m, f, i, row);
     weight[count++] = part;
-    const uint8_t* const flags = dirty_row(m, f, 2 + ring_slot(m, i), row);
+    const uint8_t* const flags = tile_row(m, f, 2 + ring_slot(m, i), row);
     for (int segment = seg0 > 0 ? seg0 - 1 : 0; segment <= seg1; ++segment)
     {
-      dirty |= flags[segment];
+      state |= flags[segment];
     }
   }
-  if (!dirty)
+  if (state == TILE_BRIGHT)
   {
     return NULL;
   }

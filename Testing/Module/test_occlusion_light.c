@@ -316,6 +316,79 @@ static void two_equal_lights_are_as_one_of_twice_the_directions(lit_scene* s)
   CHECK(mean_difference(s->a, s->b, s->points.count) <= error[1] + error[2]);
 }
 
+/* An opaque plate and fog behind it, which light from 60 degrees aside leaves in full shadow where
+ * it is seen past the plate: the picture changes by no more than 1/255 where that shadow's light is
+ * left out, and a tenth of all light is. */
+static void full_shadow_is_left_out(void)
+{
+  reference_volume v;
+  const size_t n[3] = { 512, 80, 40 };
+  const size_t pixels = n[0] * n[1];
+  reference_frame* const f = malloc(sizeof *f);
+  float* const all = malloc(4 * pixels * sizeof(float));
+  chi_occlusion* const engine = engine_create();
+  const int ok = f && all && reference_volume_create(&v, n);
+  CHECK(ok);
+  for (size_t i = 0; ok && i < pixels * n[2]; ++i)
+  {
+    const size_t x = i % n[0], z = i / pixels;
+    v.extinction[i] = z < 3 ? (x >= 64 && x < 448 ? 8.0f : 0.0f) : z > 5 ? 0.02f : 0.0f;
+  }
+  for (int k = 0; ok && k < 4; ++k)
+  {
+    const int half = k / 2, skip = k & 1;
+    reference_view view = reference_parallel_view();
+    if (k == 0)
+    {
+      reference_volume_finish(&v);
+    }
+    view.camera.world_to_eye[3] = view.camera.world_to_eye[7] = 0;
+    view.camera.window[0] = view.camera.window[2] = 0;
+    view.camera.window[1] = (double)n[0];
+    view.camera.window[3] = (double)n[1];
+    view.camera.width = (int32_t)n[0];
+    view.camera.height = (int32_t)n[1];
+    reference_frame_init(f, &v, &view, 8);
+    f->params.half_size = half;
+    f->params.cone_angle_rad = 8 * radian;
+    f->params.skip = skip ? CHI_SKIP_SATURATED_LIGHT : CHI_SKIP_NOTHING;
+    aim(f->params.light_direction, 60, 0);
+    chi_occlusion_image image;
+    chi_occlusion_stats stats;
+    CHECK(chi_occlusion_render(NULL, engine, &f->frame) == CHI_OK);
+    chi_occlusion_get_image(engine, &image);
+    chi_occlusion_get_stats(engine, &stats);
+    double most = 0, dark = 0;
+    for (size_t i = 0; image.rgba && i < 4 * pixels; ++i)
+    {
+      most = fmax(most, fabs((double)all[i] - (double)image.rgba[i]));
+      dark += i % 4 == 0 && image.rgba[i + 3] > 0.1f && image.rgba[i + 3] < 0.9f &&
+        image.rgba[i] < 0.7f * image.rgba[i + 3];
+      all[i] = skip ? all[i] : image.rgba[i];
+    }
+    const double part = (double)stats.skipped_light_updates /
+      (double)(stats.skipped_light_updates + stats.light_updates);
+    if (skip)
+    {
+      printf("full shadow, %s: %.0f %% of the light is left out, %.2g of 255 of the picture\n",
+        half ? "half" : "full", 100 * part, 255 * most);
+      CHECK(most <= 1.0 / 255);
+      CHECK(part > 0.1 && dark > 500);
+    }
+    else
+    {
+      CHECK(stats.skipped_light_updates == 0);
+    }
+  }
+  if (ok)
+  {
+    reference_volume_free(&v);
+  }
+  chi_occlusion_destroy(NULL, engine);
+  free(all);
+  free(f);
+}
+
 static void tint(lit_scene* s, double red, double green, double blue)
 {
   s->frame->params.colored_attenuation = 1;
@@ -599,5 +672,6 @@ int main(void)
   }
   scene_free(&s);
   a_ball_casts_its_shadow_to_the_far_side();
+  full_shadow_is_left_out();
   return chi_test_report();
 }

@@ -66,7 +66,7 @@ enum
   CHI_SKIP_BEHIND_GEOMETRY = 8,   /**< samples behind the surface */
   CHI_SKIP_CLIPPED = 16,          /**< cells and slabs that the clip planes cut away as a whole */
   CHI_SKIP_FOOTPRINT = 32,        /**< cells outside the volume's footprint */
-  CHI_SKIP_SATURATED_LIGHT = 64,  /**< light that is uniform over a tile */
+  CHI_SKIP_SATURATED_LIGHT = 64,  /**< light that is uniformly 1 or 0 over a tile */
   CHI_SKIP_UNREACHED_LIGHT = 128, /**< light that no sample and no surface receives any more */
   CHI_SKIP_UNCHANGED = 256,       /**< bricks, classification and picture of the last frame, where
                                        their sources have not changed */
