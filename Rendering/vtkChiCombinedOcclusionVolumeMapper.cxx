@@ -333,8 +333,12 @@ void vtkChiCombinedOcclusionVolumeMapper::CollectParameters()
   std::copy_n(this->SecondLightDirection, 3, params.second_light_direction);
   params.second_light_cone_angle_rad = vtkMath::RadiansFromDegrees(this->SecondLightConeAngle);
   params.second_light_share = this->SecondLightShare;
-  params.colored_attenuation = 1; // alike in all channels it costs and changes nothing
-  std::copy_n(this->AttenuationColor, 3, params.attenuation);
+  if (std::any_of(this->AttenuationColor, this->AttenuationColor + 3,
+        [](double factor) { return factor != 1.0; }))
+  {
+    params.colored_attenuation = 1;
+    std::copy_n(this->AttenuationColor, 3, params.attenuation);
+  }
   if (this->OcclusionMethod == PUBLISHED && this->SecondLightShare > 0.0)
   {
     this->SayOnce("the published method has one light: the second one is not drawn");

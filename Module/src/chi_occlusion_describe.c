@@ -76,12 +76,17 @@ uint64_t chi_occlusion_features(const chi_occlusion_frame* frame)
   chi_occlusion_params params;
   memset(&params, 0, sizeof params);
   chi_occlusion_default_params(&params);
+  int colored = 0;
+  for (int c = 0; c < 3; ++c)
+  {
+    colored |= frame->params->colored_attenuation && frame->params->attenuation[c] != 1;
+  }
   const chi_occlusion_frame no_frame = { 0 };
   const chi_volume_view no_volume = { 0 };
   const chi_transfer_view no_transfer = { 0 };
   const chi_surface_view no_surface = { 0 };
   int other = tail_differs(frame->params, &params,
-                CHI_BEYOND(chi_occlusion_params, second_light_share), sizeof params) ||
+                CHI_BEYOND(chi_occlusion_params, reserved_too), sizeof params) ||
     tail_differs(frame, &no_frame, CHI_BEYOND(chi_occlusion_frame, layers), sizeof *frame);
   if (frame->volume)
   {
@@ -97,6 +102,7 @@ uint64_t chi_occlusion_features(const chi_occlusion_frame* frame)
   }
   return (frame->params->method == CHI_OCCLUSION_PUBLISHED ? (uint64_t)CHI_FEATURE_PUBLISHED : 0) |
     (frame->layers && frame->layers->count > 0 ? (uint64_t)CHI_FEATURE_LAYERS : 0) |
+    (colored ? (uint64_t)CHI_FEATURE_COLORED : 0) |
     (other ? (uint64_t)CHI_FEATURE_OTHER : 0);
 }
 
@@ -108,6 +114,8 @@ const char* chi_occlusion_feature_name(uint64_t feature)
       return "the published occlusion method";
     case CHI_FEATURE_LAYERS:
       return "translucent geometry inside the volume";
+    case CHI_FEATURE_COLORED:
+      return "coloured attenuation";
     default:
       return "a setting that this engine does not know";
   }

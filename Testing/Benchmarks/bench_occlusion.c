@@ -275,7 +275,34 @@ static reference_view moving_view(int frame, int pixels)
   return view;
 }
 
-static void time_moving(int shells, int directions, int half, int threads, const uint8_t* scalars)
+/* What the light's options cost. */
+typedef enum lighting
+{
+  LIGHT_FROM_THE_EYE,
+  LIGHT_30_DEGREES,
+  LIGHT_60_DEGREES,
+  LIGHT_FROM_TWO_SIDES,
+  LIGHT_OF_THREE_COLOURS,
+  LIGHTINGS
+} lighting;
+
+static const char* set_lighting(chi_occlusion_params* p, lighting option)
+{
+  static const char* const name[LIGHTINGS] = { "", "-30deg", "-60deg", "-two-lights", "-coloured" };
+  static const double tilt[LIGHTINGS] = { 0, 0.57735026918962576, 1.7320508075688772, 0, 0 };
+  p->light_direction[0] = tilt[option];
+  p->light_direction[2] = 1;
+  p->second_light_direction[1] = p->second_light_direction[2] = 1;
+  p->second_light_share = option == LIGHT_FROM_TWO_SIDES ? 0.5 : 0;
+  p->colored_attenuation = option == LIGHT_OF_THREE_COLOURS;
+  p->attenuation[0] = 0.5;
+  p->attenuation[1] = 1;
+  p->attenuation[2] = 1.5;
+  return name[option];
+}
+
+static void time_moving(
+  int shells, int directions, int half, int threads, const uint8_t* scalars, lighting option)
 {
   chi_bench_pool p = { threads };
   const chi_exec exec = chi_bench_exec(&p);
@@ -305,6 +332,7 @@ static void time_moving(int shells, int directions, int half, int threads, const
   f->params.strength = directions ? 1 : 0;
   f->params.half_size = half;
   f->params.sample_distance = 1;
+  const char* const suffix = set_lighting(&f->params, option);
   double moving = INFINITY, still = INFINITY;
   chi_occlusion_stats stats = { 0 };
   for (int frame = 0; frame < 8; ++frame)
@@ -315,7 +343,8 @@ static void time_moving(int shells, int directions, int half, int threads, const
     {
       break;
     }
-    moving = frame ? fmin(moving, chi_bench_now() - t0) : moving; /* the first also reads the volume */
+    moving =
+      frame ? fmin(moving, chi_bench_now() - t0) : moving; /* the first also reads the volume */
     chi_occlusion_get_stats(engine, &stats);
     t0 = chi_bench_now();
     if (chi_occlusion_render(&exec, engine, &f->frame) == CHI_OK)
@@ -324,19 +353,20 @@ static void time_moving(int shells, int directions, int half, int threads, const
     }
   }
   char method[64];
-  snprintf(method, sizeof method, directions ? "chi-ordinates-%s" : "chi-unshaded",
-    half ? "half" : "full");
+  snprintf(method, sizeof method, directions ? "chi-ordinates-%s%s" : "chi-unshaded",
+    half ? "half" : "full", suffix);
   printf("occlusion,%s,%s,%d,%zu,%d,%.0f,0,none\n", shells ? "ml256-shells" : "ml256-fog", method,
     directions, n * n * n, threads, moving);
-  if (directions == 16 && half)
+  if (directions == 16 && half && option == LIGHT_FROM_THE_EYE)
   {
     printf("occlusion,%s-unchanged,%s,%d,%zu,%d,%.0f,0,none\n",
       shells ? "ml256-shells" : "ml256-fog", method, directions, n * n * n, threads, still);
   }
   fprintf(stderr,
-    "# %s %s %d directions, %d threads: %.1f ms, %lld samples (+ %lld skipped), %lld light (+ %lld "
+    "# %s %s%s %d directions, %d threads: %.1f ms, %lld samples (+ %lld skipped), %lld light (+ "
+    "%lld "
     "skipped), CPU: samples %.0f ms, light %.0f ms\n",
-    shells ? "shells" : "fog", half ? "half" : "full", directions, threads, 1e-6 * moving,
+    shells ? "shells" : "fog", half ? "half" : "full", suffix, directions, threads, 1e-6 * moving,
     (long long)stats.samples, (long long)stats.skipped_samples, (long long)stats.light_updates,
     (long long)stats.skipped_light_updates, 1e3 * stats.seconds_samples, 1e3 * stats.seconds_light);
   fflush(stdout);
@@ -382,10 +412,14 @@ int main(int argc, char** argv)
   {
     for (int threads = 2; threads >= 1; --threads)
     {
-      time_moving(shells, 0, 1, threads, scalars);
-      time_moving(shells, 8, 1, threads, scalars);
-      time_moving(shells, 16, 1, threads, scalars);
-      time_moving(shells, 16, 0, threads, scalars);
+      time_moving(shells, 0, 1, threads, scalars, LIGHT_FROM_THE_EYE);
+      time_moving(shells, 8, 1, threads, scalars, LIGHT_FROM_THE_EYE);
+      time_moving(shells, 16, 1, threads, scalars, LIGHT_FROM_THE_EYE);
+      time_moving(shells, 16, 0, threads, scalars, LIGHT_FROM_THE_EYE);
+    }
+    for (int option = LIGHT_30_DEGREES; option < LIGHTINGS; ++option)
+    {
+      time_moving(shells, 16, 1, 2, scalars, (lighting)option);
     }
   }
   const int failed = scalars == NULL;

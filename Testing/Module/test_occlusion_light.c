@@ -7,6 +7,8 @@
 #include "chi_test.h"
 #include "occlusion_reference.h"
 
+#include <chiaroscuro/chi_occlusion_plan.h>
+
 static const double angle_45 = 0.78539816339744831;
 static const double radian = 0.017453292519943295;
 
@@ -405,6 +407,7 @@ static void grey_attenuation_changes_nothing(lit_scene* s)
   probe(s, s->b);
   CHECK(memcmp(s->a, s->b, s->points.count * sizeof(float)) == 0);
   tint(s, 1, 1, 1);
+  CHECK(chi_occlusion_features(&s->frame->frame) == 0);
   probe(s, s->b);
   CHECK(memcmp(s->a, s->b, s->points.count * sizeof(float)) == 0);
 }
@@ -499,6 +502,7 @@ static void a_channel_without_attenuation_has_no_occlusion(lit_scene* s)
   }
   CHECK(most <= 1e-6);
   CHECK(red > 100 && blue > 1.5 * red);
+  CHECK(chi_occlusion_features(&s->frame->frame) == CHI_FEATURE_COLORED);
   reset(s, 0, 0);
   tint(s, 1, -0.1, 1);
   CHECK(chi_occlusion_render(NULL, engine, &s->frame->frame) == CHI_ERROR_INVALID_ARGUMENT);

@@ -22,7 +22,8 @@ enum
 {
   CHI_FEATURE_PUBLISHED = 1, /**< the published blur, one buffer for all directions */
   CHI_FEATURE_OTHER = 2,     /**< a parameter that the plan has no member for */
-  CHI_FEATURE_LAYERS = 4     /**< translucent geometry between the slices */
+  CHI_FEATURE_LAYERS = 4,    /**< translucent geometry between the slices */
+  CHI_FEATURE_COLORED = 8    /**< coloured attenuation */
 };
 
 enum
