@@ -64,9 +64,11 @@
  * order in which they were added; where volumes overlap, the one whose box the ray enters first is
  * taken to lie in front. Other mappers' volumes are drawn in the order of insertion, as VTK does.
  *
- * <b>Limits.</b> VTK does not draw volumes whose box lies outside the view, so that a renderer
- * whose only such volume has left the picture shows its geometry unshaded. In ParaView's parallel
- * rendering each process shades with its own part of the data only.
+ * <b>Limits.</b> Geometry of other renderers does not take part, not even where a renderer keeps
+ * the depths of the layer below (PreserveDepthBuffer). VTK does not draw volumes whose box lies
+ * outside the view, so that a renderer whose only such volume has left the picture shows its
+ * geometry unshaded. In ParaView's parallel rendering each process shades with its own part of the
+ * data only.
  *
  * Source: Schott, Martin, Grosset, Smith and Hansen, "Ambient Occlusion Effects for Combined
  * Volumes and Tubular Geometry", IEEE TVCG 19(6), 2013; the numerics are those of chi_occlusion.h.

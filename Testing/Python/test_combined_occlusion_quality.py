@@ -25,7 +25,9 @@ def build(kind, size=200):
         volume, mapper = scene.add_volume(marschner_lobb(64, np.uint8), prop)
     else:
         volume, mapper = scene.add_volume(cube(ball(56, 0.3, 0.5), 1.2), volume_property(1.0, 0.3, 0.1))
-    if kind == "geometry":
+    if kind == "edges":
+        mapper.SetGeometryAntiAliasingToMultiSample()
+    if kind in ("geometry", "edges"):
         scene.renderer.AddActor(sphere(0.3, (0.3, 0.2, 0.2), lit=True, color=(0.9, 0.6, 0.2)))
         scene.renderer.AddActor(square(0.9, -0.5, color=(0.8, 0.8, 0.8)))
     scene.look((0.3, 0.2, -1.0), half=1.6 if kind == "shells" else 0.8, parallel=False)
@@ -46,7 +48,7 @@ def used(mapper):
 
 class Interaction(unittest.TestCase):
     def test_nothing_pops_between_the_fast_picture_and_the_full_one(self):
-        for kind in ("fog", "shells", "geometry"):
+        for kind in ("fog", "shells", "geometry", "edges"):
             scene, _, mapper = build(kind)
             full, best = scene.pixels(), used(mapper)
             self.assertEqual((best[0], best[2]), (16, 1))
