@@ -274,6 +274,8 @@ void vtkChiCombinedOcclusionVolumeMapper::PrintSelf(ostream& os, vtkIndent inden
   os << indent << "ConeAngle: " << this->ConeAngle << "\n";
   os << indent << "NumberOfDirections: " << this->NumberOfDirections << "\n";
   os << indent << "SampleDistance: " << this->SampleDistance << "\n";
+  os << indent << "Transfer2DYAxisArray: "
+     << (this->Transfer2DYAxisArray ? this->Transfer2DYAxisArray : "(none)") << "\n";
   os << indent << "OcclusionStrength: " << this->OcclusionStrength << "\n";
   os << indent << "OcclusionBias: " << this->OcclusionBias << "\n";
   os << indent << "GeometryThickness: " << this->GeometryThickness << "\n";

@@ -112,6 +112,7 @@ vtkChiCombinedOcclusionVolumeMapper::vtkChiCombinedOcclusionVolumeMapper()
 vtkChiCombinedOcclusionVolumeMapper::~vtkChiCombinedOcclusionVolumeMapper()
 {
   chi_occlusion_destroy(nullptr, this->Internal->Renderer);
+  this->SetTransfer2DYAxisArray(nullptr);
 }
 
 //------------------------------------------------------------------------------
@@ -239,6 +240,7 @@ bool vtkChiCombinedOcclusionVolumeMapper::Collect(vtkRenderer* renderer, vtkVolu
   {
     this->GetInputAlgorithm()->Update();
   }
+  in.Input.SetSecondArray(this->Transfer2DYAxisArray);
   in.HasVolume =
     in.Input.Collect(this, this->GetInput(), this->ScalarMode, volume, in.Camera.GetWorld());
   if (!in.HasVolume && !in.Input.IsEmpty())
@@ -282,10 +284,6 @@ void vtkChiCombinedOcclusionVolumeMapper::CollectUnsupported(vtkVolume* volume)
       this->SayOnce(what);
     }
   };
-  const bool two = property->GetTransferFunctionMode() == vtkVolumeProperty::TF_2D;
-  check(two,
-    "two-dimensional transfer functions (vtkVolumeProperty) are not supported yet: the "
-    "one-dimensional ones are used");
   check(!property->GetLabelMapLabels().empty(),
     "label maps (vtkVolumeProperty) are not supported yet: labels are ignored");
   check(this->BlendMode != COMPOSITE_BLEND,

@@ -204,6 +204,17 @@ public:
 
   ///@{
   /**
+   * The array along the y axis of a two-dimensional transfer function (vtkVolumeProperty::TF_2D),
+   * of the points or cells that the scalars are of; its first component over its own range. None,
+   * the default, stands for the magnitude of the gradient. As in vtkGPUVolumeRayCastMapper, but for
+   * the opacity, which is corrected for the distance of the slices.
+   */
+  vtkSetStringMacro(Transfer2DYAxisArray);
+  vtkGetStringMacro(Transfer2DYAxisArray);
+  ///@}
+
+  ///@{
+  /**
    * How much of the darkening is applied: 0 is an unshaded ray cast of the same samples, 1, the
    * default, the full darkening.
    */
@@ -564,6 +575,7 @@ protected:
   double AttenuationColor[3] = { 1.0, 1.0, 1.0 };
   int NumberOfDirections = 16;
   double SampleDistance = 0.0;
+  char* Transfer2DYAxisArray = nullptr;
   double OcclusionStrength = 1.0;
   double OcclusionBias = -1.0;
   double GeometryThickness = 0.0;

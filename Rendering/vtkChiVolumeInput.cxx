@@ -10,6 +10,7 @@
 #include "vtkAbstractVolumeMapper.h"
 #include "vtkCellData.h"
 #include "vtkColorTransferFunction.h"
+#include "vtkDataSetAttributes.h"
 #include "vtkFloatArray.h"
 #include "vtkImageData.h"
 #include "vtkMath.h"
@@ -112,7 +113,8 @@ bool vtkChiVolumeInput::Collect(vtkAbstractVolumeMapper* mapper, vtkDataSet* inp
   }
   return this->CollectSamples(mapper, image, time, scalarMode) &&
     this->CollectMatrix(image, volume, world) &&
-    this->CollectTransfer(volume->GetProperty(), time) && this->CollectClips(mapper, volume, world);
+    this->CollectTransfer(volume->GetProperty(), image, time) &&
+    this->CollectClips(mapper, volume, world);
 }
 
 //------------------------------------------------------------------------------
@@ -365,7 +367,40 @@ void vtkChiVolumeInput::ChooseTableRange(vtkVolumeProperty* property)
 }
 
 //------------------------------------------------------------------------------
-bool vtkChiVolumeInput::CollectTransfer(vtkVolumeProperty* property, vtkMTimeType time)
+void vtkChiVolumeInput::AddPlaneLimit()
+{
+  if (!this->Shading.GetPlaneProblem().empty())
+  {
+    this->Limits.push_back(this->Shading.GetPlaneProblem());
+  }
+}
+
+//------------------------------------------------------------------------------
+// The array along the second axis of a two-dimensional transfer function; null for the gradient.
+vtkDataArray* vtkChiVolumeInput::FindSecond(vtkVolumeProperty* property, vtkImageData* image)
+{
+  if (this->SecondName.empty() || vtkChiShadingInput::GetPlaneTime(property) == 0)
+  {
+    return nullptr;
+  }
+  vtkDataSetAttributes* data = this->Volume.is_cell_data
+    ? static_cast<vtkDataSetAttributes*>(image->GetCellData())
+    : static_cast<vtkDataSetAttributes*>(image->GetPointData());
+  vtkDataArray* second = data->GetArray(this->SecondName.c_str());
+  const std::size_t* n = this->Volume.dimensions;
+  if (!second || static_cast<std::size_t>(second->GetNumberOfTuples()) < n[0] * n[1] * n[2])
+  {
+    this->Limits.push_back("the array '" + this->SecondName +
+      "' of the two-dimensional transfer function's y axis is not there, or too short: the "
+      "gradient is used");
+    return nullptr;
+  }
+  return second;
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiVolumeInput::CollectTransfer(
+  vtkVolumeProperty* property, vtkImageData* image, vtkMTimeType time)
 {
   this->Volume.interpolation =
     property->GetInterpolationType() == VTK_NEAREST_INTERPOLATION ? CHI_NEAREST : CHI_LINEAR;
@@ -374,6 +409,7 @@ bool vtkChiVolumeInput::CollectTransfer(vtkVolumeProperty* property, vtkMTimeTyp
     this->Limits.emplace_back(
       "cubic interpolation (vtkVolumeProperty) is not supported yet: linear is used");
   }
+  vtkDataArray* second = this->FindSecond(property, image);
   vtkPiecewiseFunction* opacity = property->GetScalarOpacity(0);
   const int channels = property->GetColorChannels(0);
   vtkPiecewiseFunction* gray = channels == 1 ? property->GetGrayTransferFunction(0) : nullptr;
@@ -391,11 +427,13 @@ bool vtkChiVolumeInput::CollectTransfer(vtkVolumeProperty* property, vtkMTimeTyp
   std::copy_n(reinterpret_cast<const char*>(&unitDistance), sizeof(unitDistance),
     reinterpret_cast<char*>(&distanceBits));
   const void* colorObject = gray ? static_cast<void*>(gray) : static_cast<void*>(color);
-  const std::array<std::uint64_t, 8> key = { bits(opacity), opacity->GetMTime(), bits(colorObject),
+  const std::array<std::uint64_t, 11> key = { bits(opacity), opacity->GetMTime(), bits(colorObject),
     gray ? gray->GetMTime() : color->GetMTime(), this->Volume.version, distanceBits, time,
-    vtkChiShadingInput::GetGradientOpacityTime(property) };
+    vtkChiShadingInput::GetGradientOpacityTime(property),
+    vtkChiShadingInput::GetPlaneTime(property), bits(second), second ? second->GetMTime() : 0 };
   if (key == this->TransferKey && !this->Opacities.empty())
   {
+    this->AddPlaneLimit();
     return true;
   }
 
@@ -439,6 +477,8 @@ bool vtkChiVolumeInput::CollectTransfer(vtkVolumeProperty* property, vtkMTimeTyp
   this->Transfer.opacity = this->Opacities.data();
   this->Transfer.unit_distance = unitDistance;
   this->Shading.CollectGradientOpacity(property, this->Samples, &this->Transfer);
+  this->Shading.CollectPlane(property, this->Samples, second, &this->Transfer);
+  this->AddPlaneLimit();
   ++this->Transfer.version;
   this->TransferKey = key;
   return true;

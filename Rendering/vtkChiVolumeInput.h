@@ -37,6 +37,8 @@ public:
   const chi_volume_view* GetVolume() const { return &this->Volume; }
   const chi_transfer_view* GetTransfer() const { return &this->Transfer; }
   vtkChiShadingInput* GetShading() { return &this->Shading; }
+  // The array along the y axis of a two-dimensional transfer function; empty for the gradient.
+  void SetSecondArray(const char* name) { this->SecondName = name ? name : ""; }
   // What the mapper's clipping planes and cropping box leave: [planes x 4] for the core.
   const std::vector<double>& GetClipPlanes() const { return this->ClipPlanes; }
   const std::string& GetProblem() const { return this->Problem; }
@@ -47,7 +49,9 @@ private:
   bool CollectSamples(
     vtkAbstractVolumeMapper* mapper, vtkImageData* image, vtkMTimeType time, int scalarMode);
   bool CollectMatrix(vtkImageData* image, vtkVolume* volume, const double* world);
-  bool CollectTransfer(vtkVolumeProperty* property, vtkMTimeType time);
+  bool CollectTransfer(vtkVolumeProperty* property, vtkImageData* image, vtkMTimeType time);
+  vtkDataArray* FindSecond(vtkVolumeProperty* property, vtkImageData* image);
+  void AddPlaneLimit();
   bool CollectClips(vtkAbstractVolumeMapper* mapper, vtkVolume* volume, const double* world);
   void AddClip(const double plane[4], const double* toWorld, const double* world);
   void ChooseTableRange(vtkVolumeProperty* property);
@@ -65,10 +69,11 @@ private:
   vtkSmartPointer<vtkDataArray> Scalars; // as found
   vtkSmartPointer<vtkDataArray> Samples; // as handed to the core: the same, or a plain copy
   std::array<std::uint64_t, 4> SamplesKey = {};
-  std::array<std::uint64_t, 8> TransferKey = {};
+  std::array<std::uint64_t, 11> TransferKey = {};
   std::vector<float> Colors;
   std::vector<float> Opacities;
   vtkChiShadingInput Shading;
+  std::string SecondName;
 
   vtkSmartPointer<vtkImageData> Resampled;
   std::array<std::uint64_t, 2> ResampledKey = {};

@@ -26,6 +26,10 @@ typedef struct transfer_key
   const void* gradient_opacity;
   size_t gradient_count;
   double gradient_end;
+  const void* plane;
+  const void* y_samples;
+  size_t plane_count[2];
+  double plane_range[2];
 } transfer_key;
 
 typedef struct frame_key
@@ -161,9 +165,12 @@ static chi_status check_volume(const chi_volume_view* v)
 
 static int transfer_is_valid(const chi_transfer_view* t)
 {
-  return t && t->rgb && t->opacity && t->count >= 2 && t->count <= 65536 &&
+  return t &&
+    (t->plane ? chi_transfer_plane_is_valid(t)
+              : t->rgb && t->opacity && t->count >= 2 && t->count <= 65536 &&
+          chi_gradient_opacity_is_valid(t)) &&
     all_finite(t->range, 2) && t->range[0] < t->range[1] && t->unit_distance > 0 &&
-    isfinite(t->unit_distance) && chi_gradient_opacity_is_valid(t);
+    isfinite(t->unit_distance);
 }
 
 static int cone_is_valid(double angle)
@@ -250,6 +257,10 @@ static transfer_key key_of_transfer(const chi_transfer_view* t, int dilate)
   key.gradient_opacity = t->gradient_opacity;
   key.gradient_count = t->gradient_count;
   key.gradient_end = t->gradient_end;
+  key.plane = t->plane;
+  key.y_samples = t->y_samples;
+  memcpy(key.plane_count, t->plane_count, sizeof key.plane_count);
+  memcpy(key.plane_range, t->plane_range, sizeof key.plane_range);
   return key;
 }
 
@@ -385,8 +396,8 @@ static chi_status prepare_volume(
   {
     o->has_classification = o->has_frame = o->has_plan = 0;
     ++o->versions[2];
-    status =
-      chi_classify(exec, &o->classification, &o->bricks, frame->transfer, (int)transfer.dilate);
+    status = chi_classify_transfer(
+      exec, &o->classification, &o->bricks, frame->transfer, (int)transfer.dilate);
     o->transfer = transfer;
     o->has_classification = status == CHI_OK;
   }

@@ -47,6 +47,16 @@ chi_status chi_bricks_build(
   const chi_exec* exec, chi_bricks* bricks, const chi_volume_view* volume);
 void chi_bricks_free(const chi_exec* exec, chi_bricks* bricks);
 
+/* A transfer function of two quantities; none where its counts are 0. */
+typedef struct chi_transfer_plane
+{
+  chi_buffer sigma; /* chi_sigma_entry [count y][count x], sums along x */
+  chi_buffer rgba;  /* float [count y][count x][4] */
+  chi_buffer bound; /* float: the largest opacity of every column, and white */
+  size_t count[2];
+  float quantum; /* of all rows' sums */
+} chi_transfer_plane;
+
 /* Stage 2: what the transfer function makes of scalars, and which bricks it leaves visible. */
 typedef struct chi_classification
 {
@@ -58,10 +68,20 @@ typedef struct chi_classification
   chi_buffer occupied;       /* uint8 a brick, padded */
   chi_buffer sums;           /* int32 [(nx + 1)(ny + 1)(nz + 1)] summed volume of occupied */
   int64_t occupied_bricks;
+  chi_transfer_plane plane;
 } chi_classification;
 
 chi_status chi_classify(const chi_exec* exec, chi_classification* out, const chi_bricks* bricks,
   const chi_transfer_view* transfer, int dilate);
+/* The same, of tables of one quantity or two. */
+chi_status chi_classify_transfer(const chi_exec* exec, chi_classification* out,
+  const chi_bricks* bricks, const chi_transfer_view* transfer, int dilate);
+int chi_transfer_plane_is_valid(const chi_transfer_view* transfer);
+void chi_transfer_plane_free(const chi_exec* exec, chi_transfer_plane* plane);
+
+/* Of an opacity over a unit distance; chi_transfer.h. */
+double chi_extinction(double opacity, double unit_distance);
+
 void chi_classification_free(const chi_exec* exec, chi_classification* classification);
 
 /* Bricks that are occupied within [low, high] of index space. */
@@ -203,7 +223,8 @@ chi_status chi_vicinity(const chi_exec* exec, const chi_scene* scene,
 int chi_shading_is_valid(const chi_shading_view* shading); /* NULL is */
 int chi_gradient_opacity_is_valid(const chi_transfer_view* transfer);
 int chi_shading_prepare(chi_shade_frame* out, const chi_occlusion_frame* frame,
-  const chi_bricks* bricks, int* needed); /* 0: a matrix is singular */
+  const chi_bricks* bricks, const chi_transfer_plane* plane,
+  int* needed); /* 0: a matrix is singular */
 
 /* What of the shading changes the picture, comparable by its bytes. */
 typedef struct chi_shading_key

@@ -92,7 +92,7 @@ typedef struct march
   const chi_occlusion_frame* frame;
   const chi_occlusion_kernels* kernels;
   chi_march* keep;
-  chi_sample_frame sample;
+  chi_sample_frame sample, second;
   chi_shade_frame shade;
   const chi_bricks* bricks;
   const chi_classification* classification;

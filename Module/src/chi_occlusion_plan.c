@@ -326,12 +326,16 @@ static chi_status set_sample_frame(march* m)
   f->tinted = m->scene->channels > 1;
   f->general |= f->tinted;
   int shaded = 0;
-  if (!chi_shading_prepare(&m->shade, m->frame, b, &shaded))
+  if (!chi_shading_prepare(&m->shade, m->frame, b, &c->plane, &shaded))
   {
     return CHI_ERROR_INVALID_ARGUMENT;
   }
   f->shade = shaded ? &m->shade : NULL;
   f->general = f->general || shaded;
+  m->second = *f; /* the other quantity's samples lie as the volume's do */
+  m->second.scalars = m->frame->transfer->y_samples;
+  m->second.fetch = CHI_FETCH_F32;
+  m->shade.second = m->frame->transfer->plane && m->second.scalars ? &m->second : NULL;
   return CHI_OK;
 }
 

@@ -134,12 +134,12 @@ static void prepare_material(chi_shade_frame* out, const chi_shading_view* s)
   }
 }
 
-int chi_shading_prepare(
-  chi_shade_frame* out, const chi_occlusion_frame* frame, const chi_bricks* bricks, int* needed)
+int chi_shading_prepare(chi_shade_frame* out, const chi_occlusion_frame* frame,
+  const chi_bricks* bricks, const chi_transfer_plane* plane, int* needed)
 {
   const chi_transfer_view* const t = frame->transfer;
   memset(out, 0, sizeof *out);
-  *needed = frame->shading != NULL || t->gradient_opacity != NULL;
+  *needed = frame->shading != NULL || t->gradient_opacity != NULL || t->plane != NULL;
   if (!*needed)
   {
     return 1;
@@ -171,7 +171,20 @@ int chi_shading_prepare(
       out->normal[c][a] = (float)(share * to_index[4 * a + c]);
     }
   }
-  if (t->gradient_opacity)
+  if (t->plane)
+  {
+    /* y_samples in their own units, gradients in shares of the scalar's range */
+    const double entries = (double)(plane->count[1] - 1);
+    const double scale = entries / (t->plane_range[1] - t->plane_range[0]);
+    out->plane_sigma = (const chi_sigma_entry*)plane->sigma.data;
+    out->plane_rgba = (const float(*)[4])plane->rgba.data;
+    out->plane_quantum = plane->quantum;
+    out->plane_row = (int32_t)plane->count[0];
+    out->plane_base = (float)(t->plane_range[0] / (t->y_samples ? 1 : range));
+    out->plane_scale = (float)(scale * (t->y_samples ? 1 : range));
+    out->plane_end = (float)entries;
+  }
+  else if (t->gradient_opacity)
   {
     out->gradient_opacity = t->gradient_opacity;
     out->gradient_end = (float)(t->gradient_count - 1);

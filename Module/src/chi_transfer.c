@@ -7,7 +7,7 @@
 
 /* theory/occlusion.md, Eq. 1. The clamp keeps an opaque sample finite: one unit distance leaves
  * 2^-24, the last bit of a float. */
-static double extinction(double opacity, double unit_distance)
+double chi_extinction(double opacity, double unit_distance)
 {
   const double clear = 1 - 0x1p-24;
   const double alpha = opacity > 0 ? (opacity < clear ? opacity : clear) : 0; /* NaN: transparent */
@@ -29,9 +29,9 @@ static void fill_tables(chi_classification* out, const chi_transfer_view* transf
   uint32_t visible = 0;
   for (size_t i = 0; i < n; ++i)
   {
-    const double here = extinction(transfer->opacity[i], transfer->unit_distance);
+    const double here = chi_extinction(transfer->opacity[i], transfer->unit_distance);
     const double next =
-      i + 1 < n ? extinction(transfer->opacity[i + 1], transfer->unit_distance) : here;
+      i + 1 < n ? chi_extinction(transfer->opacity[i + 1], transfer->unit_distance) : here;
     sigma[i].sigma = (float)here;
     sigma[i].half_slope = (float)(0.5 * (next - here));
     sigma[i].pad = 0;
@@ -51,9 +51,9 @@ static void fill_tables(chi_classification* out, const chi_transfer_view* transf
   for (size_t i = 0; i < n; ++i)
   {
     sigma[i].sum = (int32_t)(sum / quantum + 0.5);
-    const double here = extinction(transfer->opacity[i], transfer->unit_distance);
+    const double here = chi_extinction(transfer->opacity[i], transfer->unit_distance);
     const double next =
-      i + 1 < n ? extinction(transfer->opacity[i + 1], transfer->unit_distance) : here;
+      i + 1 < n ? chi_extinction(transfer->opacity[i + 1], transfer->unit_distance) : here;
     sum += 0.5 * (here + next);
   }
   out->quantum = (float)quantum;
@@ -217,4 +217,5 @@ void chi_classification_free(const chi_exec* exec, chi_classification* c)
   chi_buffer_free(exec, &c->visible_before);
   chi_buffer_free(exec, &c->occupied);
   chi_buffer_free(exec, &c->sums);
+  chi_transfer_plane_free(exec, &c->plane);
 }

@@ -274,7 +274,7 @@ class Input(unittest.TestCase):
 
         data = image(lopsided(), SPACING)
         causes = {
-            "two-dimensional transfer functions": lambda volume, *_: volume.GetProperty().SetTransferFunctionModeTo2D(),
+            "two-dimensional transfer function": lambda volume, *_: volume.GetProperty().SetTransferFunctionModeTo2D(),
             "unit distance": lambda volume, *_: volume.GetProperty().SetScalarOpacityUnitDistance(-1.0),
             "blend mode": lambda _volume, mapper, _scene: mapper.SetBlendModeToMaximumIntensity(),
             "clipping planes": lambda _volume, mapper, _scene: [

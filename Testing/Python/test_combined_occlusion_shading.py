@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""vtkChiCombinedOcclusionVolumeMapper: shading by gradients and gradient opacity, beside the ray caster."""
+"""vtkChiCombinedOcclusionVolumeMapper: shading by gradients, gradient opacity, two-dimensional transfer
+functions, beside the ray caster."""
 import unittest
 
 import numpy as np
@@ -15,7 +16,8 @@ from occlusion_scene import (
     visibility_image,
     volume_property,
 )
-from vtkmodules.vtkCommonDataModel import vtkPiecewiseFunction
+from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
 from vtkmodules.vtkCommonTransforms import vtkTransform
 from vtkmodules.vtkRenderingCore import vtkLight, vtkLightKit
 from vtkmodules.vtkRenderingVolumeOpenGL2 import vtkOpenGLGPUVolumeRayCastMapper
@@ -63,7 +65,7 @@ def ours():
 
 def picture(mapper, prop, lights=(), data=DATA, parallel=False, prepare=None, direction=(-0.5, -0.35, -0.8)):
     mapper.SetSampleDistance(STEP)
-    scene = Scene((100, 100))
+    scene = Scene((80, 80))
     volume, _ = scene.add_volume(data, prop, mapper)
     for item in lights:
         scene.renderer.AddLight(item)
@@ -117,24 +119,27 @@ LIGHTS = {
 }
 
 
-class AgainstTheRayCaster(unittest.TestCase):
+class Comparison(unittest.TestCase):
     def check(self, prop, **options):
         lights = options.pop("lights", list)
         pictures = [picture(mapper(), prop(), lights(), **options) for mapper in (ours, peer)]
         count, difference = differences(*pictures)
-        self.assertGreater(count, 2000)
+        self.assertGreater(count, 1500)
         # the issue's bounds
         self.assertLessEqual(difference.mean(), 1.0)
         self.assertLessEqual(np.percentile(difference, 99.0), 3.0)
         return pictures[0]
 
+
+class AgainstTheRayCaster(Comparison):
     def test_shaded_pictures_agree_under_every_kind_of_light(self):
         seen = []
         for name, lights in LIGHTS.items():
-            for parallel in (False, True):
+            for parallel in (False, True)[: 1 + name.startswith("one")]:
                 with self.subTest(lights=name, parallel=parallel):
-                    seen.append(self.check(shaded_property, lights=lights, parallel=parallel))
-        for a, b in zip(seen[:-2], seen[2:]):  # and no two lights give the same picture
+                    one = self.check(shaded_property, lights=lights, parallel=parallel)
+                    seen += [] if parallel else [one]
+        for a, b in zip(seen[:-1], seen[1:]):  # and no two lights give the same picture
             self.assertGreater(255.0 * np.abs(a - b).mean(), 0.5)
 
     def test_sharp_highlights_agree(self):
@@ -217,6 +222,92 @@ class AgainstTheRayCaster(unittest.TestCase):
                 node[0] *= 255.0
                 function.SetNodeValue(i, node)
         self.check(lambda: prop, data=bytes_)
+
+
+def plane(width=256, height=128, opacity=0.3):
+    """Red along the scalar, green along y, opacity along both."""
+    y, x = np.meshgrid((np.arange(height) + 0.5) / height, (np.arange(width) + 0.5) / width, indexing="ij")
+    rgba = np.stack([x, y, 1.0 - x, opacity * x * np.clip(3.0 * y, 0.0, 1.0)], axis=-1).astype(np.float32)
+    result = vtkImageData()
+    result.SetDimensions(width, height, 1)
+    result.GetPointData().SetScalars(numpy_to_vtk(rgba.reshape(-1, 4), deep=True))
+    return result
+
+
+def plane_property(shade=0, unit=STEP, **options):
+    prop = shaded_property(specular=0.1)
+    prop.SetShade(shade)
+    prop.SetTransferFunctionModeTo2D()
+    prop.SetTransferFunction2D(plane(**options))
+    prop.SetScalarOpacityUnitDistance(unit)
+    return prop
+
+
+class TwoDimensionalTransferFunctions(Comparison):
+    # the ray caster corrects no opacities here: its step is the unit distance. It resamples small tables
+    # with a wide filter; ours are linear, so that the table must be fine.
+    def test_gradients_along_y_agree_shaded_and_unshaded(self):
+        for shade in (0, 1):
+            with self.subTest(shade=shade):
+                self.check(lambda: plane_property(shade))
+
+    def test_a_second_array_along_y_agrees_shaded_and_unshaded(self):
+        data = vtkImageData()
+        data.DeepCopy(DATA)
+        ticks = np.linspace(-1.0, 1.0, SIZE)
+        _, y, x = np.meshgrid(ticks, ticks, ticks, indexing="ij")
+        second = numpy_to_vtk((50.0 + 20.0 * np.sin(3.0 * x) * y).astype(np.float32).ravel(), deep=True)
+        second.SetName("second")
+        data.GetPointData().AddArray(second)
+        by_gradient = picture(ours(), plane_property())
+        for shade in (0, 1):
+            with self.subTest(shade=shade):
+                pictures = []
+                for mapper in (ours(), peer()):
+                    mapper.SetTransfer2DYAxisArray("second")
+                    pictures.append(picture(mapper, plane_property(shade, opacity=0.1), data=data))
+                _, difference = differences(*pictures)
+                self.assertLessEqual(difference.mean(), 1.0)
+                self.assertLessEqual(np.percentile(difference, 99.0), 3.0)
+                self.assertGreater(255.0 * np.abs(pictures[0] - by_gradient).mean(), 5.0)
+
+    def test_opacity_does_not_depend_on_the_sample_distance(self):
+        pictures = []
+        for step in (0.5, 1.0, 2.0):
+            mapper = ours()
+            scene = Scene((100, 100))
+            scene.add_volume(DATA, plane_property(unit=0.1, opacity=0.6), mapper)
+            mapper.SetSampleDistance(step * STEP)
+            scene.look((-0.5, -0.35, -0.8), half=1.6)
+            scene.window.Render()
+            pictures.append(float_image(mapper))
+        self.assertGreater(pictures[0][..., 3].max(), 0.9)
+        for other in pictures[1:]:
+            self.assertLessEqual(255.0 * np.abs(other - pictures[0]).mean(), 0.1)
+
+    def test_what_is_missing_is_named(self):
+        prop = plane_property()
+        broken = shaded_property()
+        broken.SetTransferFunctionModeTo2D()
+        for cause, properties, name in (("'second'", prop, "second"), ("two-dimensional", broken, None)):
+            mapper = ours()
+            messages = Messages(mapper)
+            mapper.SetTransfer2DYAxisArray(name)
+            self.assertGreater(picture(mapper, properties).max(), 0.1)
+            self.assertEqual((len(messages.warnings), messages.errors), (1, []))
+            self.assertIn(cause, messages.warnings[0])
+
+    def test_skipping_changes_no_pixel(self):
+        pictures = []
+        for skip in (True, False):
+            mapper = vtkChiCombinedOcclusionVolumeMapper()
+            mapper.SetSkipping(skip)
+            scene = Scene((100, 100))
+            scene.add_volume(DATA, plane_property(unit=0.1), mapper)
+            scene.look((-0.5, -0.35, -0.8), half=1.6)
+            scene.window.Render()
+            pictures.append(float_image(mapper))
+        self.assertLessEqual(255.0 * np.abs(pictures[0] - pictures[1]).max(), 1.0)  # the issue's bound
 
 
 class WithOcclusion(unittest.TestCase):

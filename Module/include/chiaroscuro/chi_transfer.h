@@ -31,6 +31,16 @@ typedef struct chi_transfer_view
   const float* gradient_opacity; /**< [gradient_count], 0 ... 1 */
   size_t gradient_count;         /**< 2 ... 65536 */
   double gradient_end;           /**< > 0 */
+  /** Colour and opacity over two quantities, or NULL; in place of rgb, opacity and
+   * gradient_opacity, which are not read then. Along x the scalar over `range`, along y the
+   * gradient's magnitude as above, or what y_samples says, over plane_range, both clamped; linear
+   * between entries. */
+  const float* plane;     /**< [plane_count[1] x plane_count[0] x 4] red, green, blue, opacity,
+                               0 ... 1; x fastest */
+  size_t plane_count[2];  /**< of x and y: each 2 ... 65536, together up to 2^22 */
+  double plane_range[2];  /**< y; plane_range[0] < plane_range[1] */
+  const float* y_samples; /**< as many as the volume's, in their order; NULL: the gradient.
+                               What is not finite makes its cells transparent */
 } chi_transfer_view;
 
 #ifdef __cplusplus

@@ -49,7 +49,8 @@ typedef struct chi_cut
   uint32_t regions;  /* that stay, bit x + 3 y + 9 z; 0x7ffffff: all */
   float plane[6][4]; /* index space: low x, high x, low y, ... */
 } chi_cut;
-/* chi_shading_light as the kernels read it: colours times the material's share, direction of unit length.
+/* chi_shading_light as the kernels read it: colours times the material's share, direction of unit
+ * length.
  */
 typedef struct chi_kernel_light
 {
@@ -72,6 +73,13 @@ typedef struct chi_shade_frame
   float limit;                        /* of a colour */
   const float* gradient_opacity;      /* NULL: 1 */
   float gradient_scale, gradient_end; /* table position = gradient * scale, up to the end */
+  /* A transfer function of two quantities, NULL: none. Row = (gradient, or second scalar, - base) *
+   * scale, 0 ... end; a row is plane_row entries long. */
+  const chi_sigma_entry* plane_sigma;
+  const float (*plane_rgba)[4];
+  const struct chi_sample_frame* second; /* where the second scalar's samples lie; NULL: gradient */
+  float plane_quantum, plane_base, plane_scale, plane_end;
+  int32_t plane_row;
   chi_kernel_light light[CHI_MAX_LIGHTS];
 } chi_shade_frame;
 

@@ -104,6 +104,7 @@ typedef struct sample_piece
 {
   float t[PIECE]; /* table position at the far slice; NaN: no sample */
   int32_t entry[PIECE];
+  float before[PIECE]; /* with gradients: table position at the near end */
   int32_t want[PIECE];   /* with cuts: something of the segment is left */
   float back[PIECE];     /* with cuts: where its last part ends, slices from the far one, <= 0 */
   float fraction[PIECE]; /* of the segment that lies in the box, less what is cut */
@@ -237,6 +238,10 @@ CHI_INLINE void classify_piece(
     /* Samples of nearest interpolation are steps: nothing lies between two labels. */
     const vf t0 = nearest ? t : vf_select(known, t_before, t);
     const vf change = t - t0;
+    if (s->shade)
+    {
+      vf_store(piece->before + i, t0);
+    }
     const vi steep = ((change > 1.0f) | (change < -1.0f)) & known;
     const vf local = sigma0 + (2.0f * f - change) * half_slope;
     const vf integral = vi_float((vi)((vu)sum - (vu)vi_load(row->sum + x))) * s->quantum +

@@ -229,9 +229,80 @@ CHI_INLINE void light_sample(const chi_shade_frame* h, const vf normal[3], const
   }
 }
 
+/* Entry of a table of `last` + 1 entries, and the place between it and the next. */
+CHI_INLINE vi place_in(vf t, vi last, vf* f)
+{
+  vi entry = vf_int(t);
+  entry -= (entry >= last) & 1;
+  *f = t - vi_float(entry);
+  return entry;
+}
+
+/* Integral of a row's extinction up to a table position, without its fixed-point sum. */
+CHI_INLINE vf load_plane(const chi_shade_frame* h, vi row, vf t, vi last, vi* sum, vf* slope)
+{
+  int32_t at[CHI_LANES];
+  vf parts[4], f;
+  vi_store(at, row + place_in(t, last, &f));
+  vf_load_entries((const float(*)[4])(const void*)h->plane_sigma, at, parts);
+  *sum = (vi)parts[0];
+  *slope = parts[1] + 2.0f * f * parts[2];
+  return f * (parts[1] + f * parts[2]);
+}
+
+/* Mean extinction of a segment on one row: as classify_piece has it on the only one. */
+CHI_INLINE vf row_extinction(const chi_shade_frame* h, vi row, vf near, vf change, vi last)
+{
+  const vi steep = (change > 1.0f) | (change < -1.0f);
+  vi sum0, sum1;
+  vf local, none;
+  load_plane(h, row, near + 0.5f * change, last, &sum0, &local);
+  if (!vi_any(steep))
+  {
+    return local;
+  }
+  const vf rest0 = load_plane(h, row, near, last, &sum0, &none);
+  const vf rest1 = load_plane(h, row, near + change, last, &sum1, &none);
+  const vf integral = vi_float((vi)((vu)sum1 - (vu)sum0)) * h->plane_quantum + (rest1 - rest0);
+  return vf_select(steep, integral / vf_select(steep, change, vf_set(1.0f)), local);
+}
+
+/* A transfer function of two quantities: extinction and colour of segments whose second quantity is
+ * y in their middle. Lanes outside the mask stay in the table, whatever they hold. */
+CHI_INLINE vf classify_plane(const chi_sample_frame* s, vf t, vf change, vf y, vi mask, vf rgb[3])
+{
+  const chi_shade_frame* const h = s->shade;
+  const vf zero = vf_set(0.0f), end = vf_set(s->table_end);
+  const vi last = vi_set((int32_t)s->table_end), last_row = vi_set((int32_t)h->plane_end);
+  const vf far = vf_select(mask, t, zero);
+  const vf step = vf_select(mask, change, zero);
+  const vf near = vf_min(vf_max(far - step, zero), end);
+  const vf v = vf_min(vf_max((y - h->plane_base) * h->plane_scale, zero), vf_set(h->plane_end));
+  vf f;
+  const vi row = place_in(v, last_row, &f) * h->plane_row;
+  vf sigma[2];
+  int32_t at[2][CHI_LANES];
+  const vi nearest = vf_int(near + 0.5f * (far - near) + 0.5f);
+  for (int k = 0; k < 2; ++k)
+  {
+    const vi here = row + (k ? h->plane_row : 0);
+    sigma[k] = vf_max(row_extinction(h, here, near, far - near, last), zero);
+    vi_store(at[k], here + nearest);
+  }
+  vf low[4], high[4];
+  vf_load_entries(h->plane_rgba, at[0], low);
+  vf_load_entries(h->plane_rgba, at[1], high);
+  for (int c = 0; c < 3; ++c)
+  {
+    rgb[c] = low[c] + f * (high[c] - low[c]);
+  }
+  return sigma[0] + f * (sigma[1] - sigma[0]);
+}
+
 /*
- * Gradients in the middle of every segment that adds to the picture: its share of the opacity, and
- * its colour under the lights, visibility included.
+ * Gradients in the middle of every segment that adds to the picture: its share of the opacity, or
+ * what a transfer function of two quantities makes of it, and its colour under the lights,
+ * visibility included.
  */
 CHI_INLINE void shade_piece(chi_sample_row* row, sample_piece* piece, int x_begin, int count,
   const int fetch, const int nearest)
@@ -245,7 +316,7 @@ CHI_INLINE void shade_piece(chi_sample_row* row, sample_piece* piece, int x_begi
     const vf depth = vf_load(piece->depth + i);
     vi want = depth > 0.0f;
     const vi seen = want & (vf_load(row->transmittance + x) > s->saturated);
-    if (!h->gradient_opacity)
+    if (!h->gradient_opacity && !h->plane_sigma)
     {
       want = seen; /* the light needs no colours */
     }
@@ -282,7 +353,15 @@ CHI_INLINE void shade_piece(chi_sample_row* row, sample_piece* piece, int x_begi
     {
       p[a] = vf_min(vf_max(p[a], zero), vf_set(s->last_index[a]));
     }
-    if (nearest)
+    for (int a = 0; a < 3; ++a)
+    {
+      difference[a] = zero;
+    }
+    if (h->second && !h->lit)
+    {
+      /* nobody asks for the gradient */
+    }
+    else if (nearest)
     {
       fetch_nearest_differences(s, p, fetch, want, difference);
     }
@@ -301,6 +380,24 @@ CHI_INLINE void shade_piece(chi_sample_row* row, sample_piece* piece, int x_begi
       gradient[c] = m[0] * difference[0] + m[1] * difference[1] + m[2] * difference[2];
     }
     const vf magnitude = vf_sqrt(dot3(gradient, gradient));
+    if (h->plane_sigma)
+    {
+      vf rgb[3];
+      vf y = magnitude;
+      if (h->second)
+      {
+        y = fetch_scalar(h->second, p, CHI_FETCH_F32, nearest, want);
+        want &= y - y == 0.0f;
+      }
+      const vf t = vf_load(piece->t + i), t0 = vf_load(piece->before + i);
+      const vf sigma = classify_plane(s, t, t - t0, y, want, rgb);
+      const vf fraction = row->enter ? vf_load(piece->fraction + i) : vf_set(1.0f);
+      vf_store(piece->depth + i, vf_select(want, sigma * (fraction * s->slice), zero));
+      for (int c = 0; c < 3; ++c)
+      {
+        vf_store(piece->rgb[c] + i, rgb[c]);
+      }
+    }
     if (h->gradient_opacity)
     {
       const vf t = vf_min(vf_max(magnitude * h->gradient_scale, zero), vf_set(h->gradient_end));
