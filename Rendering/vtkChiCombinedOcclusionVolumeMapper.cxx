@@ -420,11 +420,12 @@ void vtkChiCombinedOcclusionVolumeMapper::Surface(vtkRenderer* renderer)
   {
     in.Frame->SetMultiSample(samples);
   }
-  if (samples && !in.Frame->IsStock())
+  if (samples && !geometry->IsHiding() && !in.Frame->IsStock())
   {
     this->SayOnce("geometry cannot be multisampled where the renderer has a render pass, shadows, "
                   "screen-space occlusion or hidden line removal: its edges are as VTK draws them");
   }
+  // a vtkChiCombinedOcclusionPass has drawn it already, the same
   const bool can = samples && geometry->IsHiding();
   geometry->Update(renderer, in.Camera, in.Viewport[2], in.Viewport[3], can);
   if (in.First)

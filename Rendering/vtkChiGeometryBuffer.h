@@ -33,6 +33,8 @@ public:
   void Attach(vtkRenderer* renderer, bool hide);
   void Detach();
   bool IsHiding() const { return this->Hiding; }
+  // For who draws it otherwise.
+  void SetHiding(bool on) { this->Hiding = on; }
   bool Exist(vtkRenderer* renderer);
 
   // Returns false where there is no opaque geometry. With several samples a pixel the view has
