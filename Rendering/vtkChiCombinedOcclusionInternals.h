@@ -14,8 +14,10 @@
 
 #include <chiaroscuro/chi_occlusion.h>
 
+#include "vtkImageData.h"
 #include "vtkRenderWindow.h"
 #include "vtkRenderer.h"
+#include "vtkSmartPointer.h"
 #include "vtkWeakPointer.h"
 
 #include <set>
@@ -28,6 +30,7 @@ struct vtkChiCombinedOcclusionVolumeMapper::Internals
   // collected
   vtkChiVolumeInput Input;
   vtkChiMaskInput Masks;
+  vtkSmartPointer<vtkImageData> MaskInput;
   vtkChiCameraView Camera;
   chi_occlusion_params Params = {};
   int Viewport[4] = { 0, 0, 0, 0 };
@@ -72,6 +75,7 @@ struct vtkChiCombinedOcclusionVolumeMapper::Internals
     frame.clip_planes = this->Input.GetClipPlanes().data();
     frame.clip_plane_count = this->HasVolume ? this->Input.GetClipPlanes().size() / 4 : 0;
     frame.crop = this->HasVolume ? this->Masks.GetCrop() : nullptr;
+    frame.mask = this->HasVolume ? this->Masks.GetMask() : nullptr;
     frame.shading = this->HasVolume ? this->Input.GetShading()->GetShading() : nullptr;
     return frame;
   }

@@ -272,6 +272,9 @@ void vtkChiCombinedOcclusionVolumeMapper::PrintSelf(ostream& os, vtkIndent inden
 {
   this->Superclass::PrintSelf(os, indent);
   os << indent << "ConeAngle: " << this->ConeAngle << "\n";
+  os << indent << "MaskInput: " << this->Internal->MaskInput.Get() << "\n";
+  os << indent << "MaskType: " << (this->MaskType == BinaryMaskType ? "Binary" : "LabelMap")
+     << "\n";
   os << indent << "NumberOfDirections: " << this->NumberOfDirections << "\n";
   os << indent << "SampleDistance: " << this->SampleDistance << "\n";
   os << indent << "Transfer2DYAxisArray: "

@@ -251,10 +251,9 @@ bool vtkChiCombinedOcclusionVolumeMapper::Collect(vtkRenderer* renderer, vtkVolu
   {
     this->SayOnce(limit.c_str());
   }
-  if (in.HasVolume && !in.Masks.Collect(this, volume, in.Camera.GetWorld()))
+  if (in.HasVolume)
   {
-    this->SayOnce(in.Masks.GetProblem().c_str(), true);
-    in.HasVolume = false;
+    this->CollectMasks(volume);
   }
   in.Diagonal = in.HasVolume ? diagonalOf(*in.Input.GetVolume()) : 0.0;
   if (in.HasVolume)
@@ -274,6 +273,39 @@ bool vtkChiCombinedOcclusionVolumeMapper::Collect(vtkRenderer* renderer, vtkVolu
 }
 
 //------------------------------------------------------------------------------
+void vtkChiCombinedOcclusionVolumeMapper::CollectMasks(vtkVolume* volume)
+{
+  Internals& in = *this->Internal;
+  vtkImageData* mask = this->MaskType == BinaryMaskType ? in.MaskInput.Get() : nullptr;
+  if (!in.Masks.CollectCrop(this, volume, in.Camera.GetWorld()) ||
+    !in.Masks.CollectMask(this->GetInput(), *in.Input.GetVolume(), mask))
+  {
+    this->SayOnce(in.Masks.GetProblem().c_str(), true);
+    in.HasVolume = false;
+  }
+  for (const std::string& limit : in.Masks.GetLimits())
+  {
+    this->SayOnce(limit.c_str());
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkChiCombinedOcclusionVolumeMapper::SetMaskInput(vtkImageData* mask)
+{
+  if (this->Internal->MaskInput != mask)
+  {
+    this->Internal->MaskInput = mask;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+vtkImageData* vtkChiCombinedOcclusionVolumeMapper::GetMaskInput()
+{
+  return this->Internal->MaskInput;
+}
+
+//------------------------------------------------------------------------------
 void vtkChiCombinedOcclusionVolumeMapper::CollectUnsupported(vtkVolume* volume)
 {
   vtkVolumeProperty* property = volume->GetProperty();
@@ -284,8 +316,8 @@ void vtkChiCombinedOcclusionVolumeMapper::CollectUnsupported(vtkVolume* volume)
       this->SayOnce(what);
     }
   };
-  check(!property->GetLabelMapLabels().empty(),
-    "label maps (vtkVolumeProperty) are not supported yet: labels are ignored");
+  check(this->Internal->MaskInput && this->MaskType == LabelMapMaskType,
+    "label map masks are not supported yet: all is drawn with the volume's own functions");
   check(this->BlendMode != COMPOSITE_BLEND,
     "only the composite blend mode is supported yet: composite is used");
   check(vtkMultiVolume::SafeDownCast(volume) != nullptr,

@@ -21,12 +21,13 @@
  * matrix, extent; of the vtkVolumeProperty the colour function (RGB or gray), the scalar opacity,
  * its unit distance, gradient opacity, shading (with the renderer's lights, by the same formula as
  * vtkGPUVolumeRayCastMapper; occlusion takes ambient and diffuse light, not highlights), nearest or
- * linear interpolation; of the mapper up to 32 clipping planes and all cropping regions: what they
- * cut away neither draws nor darkens. Blending is composite.
+ * linear interpolation; of the mapper up to 32 clipping planes, all cropping regions and a binary
+ * mask; of the input, blanked points and cells (vtkUniformGrid, ghost arrays): what is cut, masked
+ * or blanked neither draws nor darkens. Blending is composite.
  *
  * <b>What is not supported yet</b> is named in a warning, once for each cause, and the picture is
  * drawn without it: two-dimensional transfer functions, several components (the first one is
- * drawn), other blend modes, label maps, blanking, cubic interpolation, sheared projections
+ * drawn), other blend modes, label maps, cubic interpolation, sheared projections
  * (stereo in parallel projection is one).
  *
  * <b>Opaque geometry.</b> The pixels of opaque geometry are rewritten once a frame, by the first of
@@ -83,6 +84,8 @@
 #include "vtkVolumeMapper.h"
 
 #include <memory> // for std::unique_ptr
+
+class vtkImageData;
 
 class VTKCHIRENDERING_EXPORT vtkChiCombinedOcclusionVolumeMapper : public vtkVolumeMapper
 {
@@ -393,6 +396,35 @@ public:
   void SetEngineToOpenGL() { this->SetEngine(ENGINE_OPENGL); }
   ///@}
 
+  enum
+  {
+    BinaryMaskType = 0,
+    LabelMapMaskType = 1
+  };
+
+  ///@{
+  /**
+   * A mask, as vtkGPUVolumeRayCastMapper has it: an image of as many points as the input (or, where
+   * scalars of cells are drawn, of as many cells or points as the input has cells), of any scalar
+   * type. Each value is that of the voxel about its sample. A mask that does not fit is an error,
+   * and the volume is not drawn. Default: none.
+   */
+  void SetMaskInput(vtkImageData* mask);
+  vtkImageData* GetMaskInput();
+  ///@}
+
+  ///@{
+  /**
+   * Binary: what lies in voxels of values not greater than 0 neither draws nor darkens. Faces of
+   * voxels are exact where slices lie up to two voxels apart. Default: label map, as in
+   * vtkGPUVolumeRayCastMapper.
+   */
+  vtkSetClampMacro(MaskType, int, BinaryMaskType, LabelMapMaskType);
+  vtkGetMacro(MaskType, int);
+  void SetMaskTypeToBinary() { this->SetMaskType(BinaryMaskType); }
+  void SetMaskTypeToLabelMap() { this->SetMaskType(LabelMapMaskType); }
+  ///@}
+
   ///@{
   /**
    * Leave out work that cannot change the picture by more than 1/255: empty bricks, saturated rays,
@@ -568,6 +600,7 @@ protected:
   ~vtkChiCombinedOcclusionVolumeMapper() override;
 
   double ConeAngle = 45.0;
+  int MaskType = LabelMapMaskType;
   double LightDirection[3] = { 0.0, 0.0, 1.0 };
   double SecondLightDirection[3] = { 0.0, 0.0, 1.0 };
   double SecondLightConeAngle = 45.0;
@@ -611,6 +644,7 @@ private:
   void RenderSelection(vtkRenderer* renderer, vtkVolume* volume);
   void Report();
 
+  void CollectMasks(vtkVolume* volume);
   void CollectUnsupported(vtkVolume* volume);
   void CollectParameters();
   void CollectQuality(double seconds);

@@ -5,12 +5,23 @@
 
 #include <chiaroscuro/chi_mask.h>
 
+#include <chiaroscuro/chi_volume.h>
+
+#include "vtkDataArray.h"
+#include "vtkSmartPointer.h"
+
+#include <array>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 class vtkAbstractVolumeMapper;
+class vtkDataSet;
+class vtkImageData;
 class vtkVolume;
 
-// What is left of a volume mapper's input, for the C core: cropping regions.
+// What is left of a volume mapper's input, for the C core: cropping regions, a mask, and what the
+// ghost arrays of points and cells hide.
 class vtkChiMaskInput
 {
 public:
@@ -20,17 +31,32 @@ public:
   static void PlacePlane(
     const double plane[4], const double* toWorld, const double* world, double placed[4]);
 
-  // False where what is left is not known: GetProblem says why.
-  bool Collect(vtkAbstractVolumeMapper* mapper, vtkVolume* volume, const double* world);
+  // False where what is left is not known: GetProblem says why. `samples` is what the core gets of
+  // the input; `mask` may be null.
+  bool CollectCrop(vtkAbstractVolumeMapper* mapper, vtkVolume* volume, const double* world);
+  bool CollectMask(vtkDataSet* input, const chi_volume_view& samples, vtkImageData* mask);
 
   // Null: all of it. The inner box alone is left to clip planes, see vtkChiVolumeInput.
   const chi_crop_view* GetCrop() const { return this->HasCrop ? &this->Crop : nullptr; }
+  // Null: nothing is masked.
+  const chi_mask_view* GetMask() const { return this->HasMask ? &this->Mask : nullptr; }
   const std::string& GetProblem() const { return this->Problem; }
+  const std::vector<std::string>& GetLimits() const { return this->Limits; }
 
 private:
+  bool CollectValues(const chi_volume_view& samples, vtkImageData* mask);
+  void CollectFlags(vtkDataSet* input);
+
   chi_crop_view Crop = {};
   bool HasCrop = false;
+  chi_mask_view Mask = {};
+  bool HasMask = false;
+  vtkSmartPointer<vtkDataArray> Found;  // the mask's array
+  vtkSmartPointer<vtkDataArray> Values; // as handed to the core: the same, or a plain copy
+  std::array<std::uint64_t, 2> ValuesKey = {};
+  std::array<std::uint64_t, 8> MaskKey = {};
   std::string Problem;
+  std::vector<std::string> Limits;
 };
 
 #endif

@@ -21,7 +21,6 @@
 #include "vtkPlaneCollection.h"
 #include "vtkPointData.h"
 #include "vtkRectilinearGrid.h"
-#include "vtkUniformGrid.h"
 #include "vtkUnsignedCharArray.h"
 #include "vtkVolume.h"
 #include "vtkVolumeMapper.h"
@@ -103,13 +102,6 @@ bool vtkChiVolumeInput::Collect(vtkAbstractVolumeMapper* mapper, vtkDataSet* inp
         std::string("an input of class ") + input->GetClassName() + " is not a vtkImageData";
     }
     return false;
-  }
-  if (vtkUniformGrid::SafeDownCast(image) &&
-    (image->HasAnyBlankPoints() || image->HasAnyBlankCells()))
-  {
-    this->Limits.emplace_back(
-      "blanking (vtkUniformGrid) is not supported yet: blanked points and cells "
-      "are drawn");
   }
   return this->CollectSamples(mapper, image, time, scalarMode) &&
     this->CollectMatrix(image, volume, world) &&

@@ -1,5 +1,6 @@
 /* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include "chi_mask_internal.h"
 #include "chi_occlusion_describe.h"
 
 #include <float.h>
@@ -15,12 +16,20 @@ typedef struct volume_key
   int64_t type, interpolation;
 } volume_key;
 
+typedef struct mask_key
+{
+  const void* arrays[4];
+  uint64_t version;
+  size_t stride, value_count;
+  int64_t type, is_cell_data, point_bits, cell_bits, reach;
+} mask_key;
+
 typedef struct transfer_key
 {
   const void* rgb;
   const void* opacity;
   uint64_t version;
-  size_t count;
+  size_t count, table_count;
   double range[2], unit_distance;
   int64_t dilate;
   const void* gradient_opacity;
@@ -51,11 +60,13 @@ typedef struct frame_key
 struct chi_occlusion
 {
   chi_bricks bricks;
+  chi_mask mask;
   chi_classification classification;
   chi_march march;
   chi_reduction reduction;
   chi_buffer rgba, visibility;
   volume_key volume;
+  mask_key masked;
   transfer_key transfer;
   frame_key frame;
   int has_bricks, has_classification, has_frame;
@@ -110,6 +121,7 @@ void chi_occlusion_destroy(const chi_exec* exec, chi_occlusion* occlusion)
     return;
   }
   chi_bricks_free(exec, &occlusion->bricks);
+  chi_mask_free(exec, &occlusion->mask);
   chi_classification_free(exec, &occlusion->classification);
   chi_march_free(exec, &occlusion->march);
   chi_reduction_free(exec, &occlusion->reduction);
@@ -166,8 +178,10 @@ static chi_status check_volume(const chi_volume_view* v)
 static int transfer_is_valid(const chi_transfer_view* t)
 {
   return t &&
-    (t->plane ? chi_transfer_plane_is_valid(t)
+    (t->plane ? chi_transfer_plane_is_valid(t) && t->table_count <= 1
               : t->rgb && t->opacity && t->count >= 2 && t->count <= 65536 &&
+          t->table_count <= 32 * CHI_LABEL_WORDS &&
+          t->count * (t->table_count ? t->table_count : 1) <= (size_t)1 << 22 &&
           chi_gradient_opacity_is_valid(t)) &&
     all_finite(t->range, 2) && t->range[0] < t->range[1] && t->unit_distance > 0 &&
     isfinite(t->unit_distance);
@@ -222,6 +236,7 @@ static chi_status check_frame(const chi_occlusion_frame* frame)
     (frame->clip_plane_count &&
       !(frame->clip_planes && all_finite(frame->clip_planes, 4 * (int)frame->clip_plane_count))) ||
     (frame->crop && !all_finite(frame->crop->planes[0], 24)) ||
+    (frame->mask && !chi_mask_is_valid(frame->mask, frame->transfer ? frame->transfer->table_count : 1)) ||
     (frame->probes && frame->probes->count &&
       !(frame->probes->position && frame->probes->visibility)))
   {
@@ -243,6 +258,28 @@ static volume_key key_of_volume(const chi_volume_view* v)
   return key;
 }
 
+static mask_key key_of_mask(const chi_mask_view* m, const chi_volume_view* volume, int reach)
+{
+  mask_key key;
+  memset(&key, 0, sizeof key);
+  if (m && (m->values || m->point_flags || m->cell_flags))
+  {
+    key.arrays[0] = m->values;
+    key.arrays[1] = m->point_flags;
+    key.arrays[2] = m->cell_flags;
+    key.arrays[3] = m->table_of_value;
+    key.value_count = m->value_count;
+    key.version = m->version;
+    key.stride = m->stride;
+    key.type = m->type;
+    key.is_cell_data = volume->is_cell_data;
+    key.point_bits = m->point_bits;
+    key.cell_bits = m->cell_bits;
+    key.reach = reach;
+  }
+  return key;
+}
+
 static transfer_key key_of_transfer(const chi_transfer_view* t, int dilate)
 {
   transfer_key key;
@@ -251,6 +288,7 @@ static transfer_key key_of_transfer(const chi_transfer_view* t, int dilate)
   key.opacity = t->opacity;
   key.version = t->version;
   key.count = t->count;
+  key.table_count = t->table_count;
   memcpy(key.range, t->range, sizeof key.range);
   key.unit_distance = t->unit_distance;
   key.dilate = dilate;
@@ -389,7 +427,16 @@ static chi_status prepare_volume(
   }
   const double t1 = chi_seconds();
   o->stats.seconds_bricks = t1 - t0;
-  const transfer_key transfer = key_of_transfer(frame->transfer, dilation(scene));
+  const int reach = dilation(scene);
+  const mask_key masked = key_of_mask(frame->mask, frame->volume, reach);
+  if (status == CHI_OK && !(o->has_classification && memcmp(&masked, &o->masked, sizeof masked) == 0))
+  {
+    o->has_classification = o->has_frame = 0;
+    status = chi_mask_build(exec, &o->mask, &o->bricks, frame->volume, frame->mask, reach);
+    o->masked = masked;
+    o->classification.mask = o->mask.grids || o->mask.labels ? &o->mask : NULL;
+  }
+  const transfer_key transfer = key_of_transfer(frame->transfer, reach);
   o->stats.reused_classification = reuse && status == CHI_OK && o->has_classification &&
     memcmp(&transfer, &o->transfer, sizeof transfer) == 0;
   if (status == CHI_OK && !o->stats.reused_classification)
@@ -398,6 +445,10 @@ static chi_status prepare_volume(
     ++o->versions[2];
     status = chi_classify_transfer(
       exec, &o->classification, &o->bricks, frame->transfer, (int)transfer.dilate);
+    if (status == CHI_OK)
+    {
+      chi_mask_apply(o->classification.mask, &o->bricks, &o->classification);
+    }
     o->transfer = transfer;
     o->has_classification = status == CHI_OK;
   }

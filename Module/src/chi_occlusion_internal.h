@@ -57,18 +57,39 @@ typedef struct chi_transfer_plane
   float quantum; /* of all rows' sums */
 } chi_transfer_plane;
 
+enum
+{
+  CHI_LABEL_WORDS = 8 /* of 32 bits, one a table */
+};
+
+/* The samples and cells that are masked, and what that leaves of each brick. */
+typedef struct chi_mask
+{
+  int grids;
+  chi_keep_grid grid[CHI_KEEP_GRIDS];
+  chi_buffer keep[CHI_KEEP_GRIDS]; /* uint32, one bit a cell */
+  chi_buffer some;                 /* uint8 a brick: something is left within a step of it */
+  chi_buffer whole;                /* uint8 a brick, padded: all is left within a step of it */
+  chi_buffer sums;                 /* int32, summed volume of the bricks that are not whole */
+  const uint8_t* labels;           /* [samples] table of each voxel, padded; NULL: table 0 of all */
+  chi_buffer label_bytes;
+  chi_buffer label_sets; /* uint32 [bricks][CHI_LABEL_WORDS]: tables within a step of it */
+} chi_mask;
+
 /* Stage 2: what the transfer function makes of scalars, and which bricks it leaves visible. */
 typedef struct chi_classification
 {
   chi_buffer sigma; /* chi_sigma_entry [entries] */
   chi_buffer rgba;  /* float [entries][4] */
-  size_t entries;
+  size_t entries; /* of all tables */
+  size_t tables, table_entries;
   float quantum, base, scale, offset; /* see chi_sample_frame */
   chi_buffer visible_before; /* uint32 [entries + 1]: entries before that are not transparent */
   chi_buffer occupied;       /* uint8 a brick, padded */
   chi_buffer sums;           /* int32 [(nx + 1)(ny + 1)(nz + 1)] summed volume of occupied */
   int64_t occupied_bricks;
   chi_transfer_plane plane;
+  const chi_mask* mask; /* NULL: none */
 } chi_classification;
 
 chi_status chi_classify(const chi_exec* exec, chi_classification* out, const chi_bricks* bricks,
@@ -84,9 +105,18 @@ double chi_extinction(double opacity, double unit_distance);
 
 void chi_classification_free(const chi_exec* exec, chi_classification* classification);
 
-/* Bricks that are occupied within [low, high] of index space. */
-int64_t chi_classification_count(const chi_classification* c, const chi_bricks* bricks,
-  const double low[3], const double high[3], int64_t* all);
+/* Summed volume [(nx + 1)(ny + 1)(nz + 1)] of a flag a brick; the sum of all. */
+int64_t chi_bricks_sum(const chi_bricks* bricks, const uint8_t* flags, int32_t* sums);
+
+/* Flagged bricks, and all of them, within [low, high] of index space. */
+int64_t chi_bricks_count(const chi_bricks* bricks, const int32_t* sums, const double low[3],
+  const double high[3], int64_t* all);
+
+static inline int64_t chi_classification_count(const chi_classification* c,
+  const chi_bricks* bricks, const double low[3], const double high[3], int64_t* all)
+{
+  return chi_bricks_count(bricks, (const int32_t*)c->sums.data, low, high, all);
+}
 
 /* A soft light: the cone about an axis, in view coordinates. */
 typedef struct chi_light

@@ -66,7 +66,7 @@ enum
   CELL_OCCUPIED = 1,
   CELL_CROSSES_BOX = 2,
   CELL_MIXED = 4,
-  CELL_CUT = 8 /* regions are cropped */
+  CELL_CUT = 8 /* regions or masks cut something */
 };
 
 /* What the rays of a cell's row are up to. */

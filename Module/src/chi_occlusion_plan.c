@@ -311,6 +311,9 @@ static chi_status set_sample_frame(march* m)
   f->scale = c->scale;
   f->offset = c->offset;
   f->table_end = (float)(c->entries - 1);
+  f->value_end = (float)(c->table_entries - 1);
+  f->table_entries = (int32_t)c->table_entries;
+  f->labels = c->mask ? c->mask->labels : NULL;
   f->sigma = (const chi_sigma_entry*)c->sigma.data;
   f->rgba = (const float(*)[4])c->rgba.data;
   f->quantum = c->quantum;
@@ -319,6 +322,12 @@ static chi_status set_sample_frame(march* m)
   f->brick_step_z = (int32_t)(b->count[0] * b->count[1]);
   f->slice = (float)m->scene->slice;
   f->cut.regions = m->scene->regions;
+  f->cut.grids = c->mask ? c->mask->grids : 0;
+  for (int k = 0; k < f->cut.grids; ++k)
+  {
+    f->cut.grid[k] = c->mask->grid[k];
+  }
+  f->cut.whole = c->mask ? (const uint8_t*)c->mask->whole.data : NULL;
   for (int k = 0; k < 24; ++k)
   {
     f->cut.plane[k / 4][k % 4] = (float)m->scene->crop[k / 4][k % 4];

@@ -96,7 +96,7 @@ static uint8_t spare_cell(march* m, int64_t block, int cx, int cy, int flag, int
   if (!(m->skip & flag))
   {
     return CELL_OCCUPIED | CELL_CROSSES_BOX |
-      (m->scene->regions == CHI_CROP_ALL_REGIONS ? 0 : CELL_CUT);
+      (m->scene->regions == CHI_CROP_ALL_REGIONS && !m->classification->mask ? 0 : CELL_CUT);
   }
   atomic_fetch_add(&m->skipped[kind], count_lattice(m, cx, cy, block));
   return CELL_EMPTY;
@@ -152,8 +152,9 @@ static uint8_t classify_cell(march* m, int64_t block, int cx, int cy)
   }
   int64_t all;
   const int64_t occupied = chi_classification_count(m->classification, m->bricks, low, high, &all);
-  const uint8_t crosses =
-    (uint8_t)((inside ? 0 : CELL_CROSSES_BOX) | (share == CHI_CUT_PART ? CELL_CUT : 0));
+  const int cut =
+    share == CHI_CUT_PART || chi_mask_cuts(m->classification->mask, m->bricks, low, high);
+  const uint8_t crosses = (uint8_t)((inside ? 0 : CELL_CROSSES_BOX) | (cut ? CELL_CUT : 0));
   if (!(m->skip & CHI_SKIP_BRICKS))
   {
     return CELL_OCCUPIED | crosses;

@@ -59,15 +59,15 @@ static void fill_tables(chi_classification* out, const chi_transfer_view* transf
   out->quantum = (float)quantum;
 }
 
-/* Whether any scalar of a brick's range is visible. */
-static int range_is_visible(const chi_classification* c, const float range[2])
+/* Whether any scalar of a brick's range is visible by a table. */
+static int range_is_visible(const chi_classification* c, const float range[2], size_t table)
 {
-  const uint32_t* const before = (const uint32_t*)c->visible_before.data;
+  const uint32_t* const before = (const uint32_t*)c->visible_before.data + table * c->table_entries;
   if (!(range[0] <= range[1]))
   {
     return 0;
   }
-  const double end = (double)(c->entries - 1);
+  const double end = (double)(c->table_entries - 1);
   double low = ((double)range[0] - c->base) * c->scale + c->offset;
   double high = ((double)range[1] - c->base) * c->scale + c->offset;
   /* A brick of exactly the scalar at which a ramp begins is transparent: a thousandth of an entry,
@@ -78,6 +78,24 @@ static int range_is_visible(const chi_classification* c, const float range[2])
   const size_t first = (size_t)(low < 0 ? 0 : low > end ? end : low);
   const size_t last = (size_t)ceil(high < 0 ? 0 : high > end ? end : high);
   return last >= first ? before[last + 1] > before[first] : 0;
+}
+
+/* By any table that its voxels use. */
+static int brick_is_visible(const chi_classification* c, const float range[2], size_t brick)
+{
+  if (!c->mask || !c->mask->labels)
+  {
+    return range_is_visible(c, range, 0);
+  }
+  const uint32_t* const set = (const uint32_t*)c->mask->label_sets.data + CHI_LABEL_WORDS * brick;
+  for (size_t table = 0; table < c->tables; ++table)
+  {
+    if ((set[table >> 5] >> (table & 31) & 1) && range_is_visible(c, range, table))
+    {
+      return 1;
+    }
+  }
+  return 0;
 }
 
 typedef struct classify_job
@@ -107,7 +125,8 @@ static int brick_is_occupied(const classify_job* it, size_t i, size_t j, size_t 
     {
       for (size_t x = low[0]; x <= high[0]; ++x)
       {
-        if (range_is_visible(it->out, range[x + b->count[0] * (y + b->count[1] * z)]))
+        const size_t brick = x + b->count[0] * (y + b->count[1] * z);
+        if (brick_is_visible(it->out, range[brick], brick))
         {
           return 1;
         }
@@ -132,32 +151,11 @@ static void classify_rows(void* data, size_t begin, size_t end)
   }
 }
 
-static void sum_volume(chi_classification* out, const chi_bricks* b)
-{
-  const size_t nx = b->count[0] + 1, ny = b->count[1] + 1, nz = b->count[2] + 1;
-  int32_t* const sums = (int32_t*)out->sums.data;
-  const uint8_t* occupied = (const uint8_t*)out->occupied.data;
-  memset(sums, 0, nx * ny * nz * sizeof *sums);
-  for (size_t k = 1; k < nz; ++k)
-  {
-    for (size_t j = 1; j < ny; ++j)
-    {
-      int32_t* const row = sums + nx * (j + ny * k);
-      int32_t along = 0;
-      for (size_t i = 1; i < nx; ++i)
-      {
-        along += *occupied++;
-        row[i] = along + row[i - nx] + row[i - nx * ny] - row[i - nx - nx * ny];
-      }
-    }
-  }
-  out->occupied_bricks = sums[nx * ny * nz - 1];
-}
-
 chi_status chi_classify(const chi_exec* exec, chi_classification* out, const chi_bricks* bricks,
   const chi_transfer_view* transfer, int dilate)
 {
-  const size_t n = transfer->count;
+  const size_t tables = transfer->table_count ? transfer->table_count : 1;
+  const size_t n = transfer->count * tables;
   const size_t count = bricks->count[0] * bricks->count[1] * bricks->count[2];
   const size_t corners = (bricks->count[0] + 1) * (bricks->count[1] + 1) * (bricks->count[2] + 1);
   if (!chi_buffer_reserve(exec, &out->sigma, n, sizeof(chi_sigma_entry)) ||
@@ -169,8 +167,11 @@ chi_status chi_classify(const chi_exec* exec, chi_classification* out, const chi
     return CHI_ERROR_OUT_OF_MEMORY;
   }
   out->entries = n;
+  out->tables = tables;
+  out->table_entries = transfer->count;
   /* scalar -> table position, through the copy's own scale where there is a copy */
-  const double entries_per_scalar = (double)(n - 1) / (transfer->range[1] - transfer->range[0]);
+  const double entries_per_scalar =
+    (double)(transfer->count - 1) / (transfer->range[1] - transfer->range[0]);
   const double scale = entries_per_scalar / bricks->copy_scale;
   const double first = (transfer->range[0] - bricks->copy_offset) * bricks->copy_scale;
   out->base = (float)first; /* subtracted before scaling: scalars far from zero lose nothing more */
@@ -182,32 +183,10 @@ chi_status chi_classify(const chi_exec* exec, chi_classification* out, const chi
   const chi_status status = chi_for(exec, bricks->count[1] * bricks->count[2], classify_rows, &job);
   if (status == CHI_OK)
   {
-    sum_volume(out, bricks);
+    out->occupied_bricks =
+      chi_bricks_sum(bricks, (const uint8_t*)out->occupied.data, (int32_t*)out->sums.data);
   }
   return status;
-}
-
-int64_t chi_classification_count(const chi_classification* c, const chi_bricks* bricks,
-  const double low[3], const double high[3], int64_t* all)
-{
-  size_t a[3], b[3];
-  for (int k = 0; k < 3; ++k)
-  {
-    const double last = (double)(bricks->dimensions[k] - 1);
-    /* A hundredth of a voxel more on both sides: the kernels' positions are floats. */
-    const double l = low[k] - 0.01, h = high[k] + 0.01;
-    a[k] = (size_t)(l < 0 ? 0 : l > last ? last : l) >> 3;
-    b[k] = ((size_t)(h < 0 ? 0 : h > last ? last : h) >> 3) + 1;
-  }
-  const size_t nx = bricks->count[0] + 1, ny = bricks->count[1] + 1;
-  const int32_t* const s = (const int32_t*)c->sums.data;
-#define CHI_AT(i, j, k) ((int64_t)s[(i) + nx * ((j) + ny * (k))])
-  const int64_t sum = CHI_AT(b[0], b[1], b[2]) - CHI_AT(a[0], b[1], b[2]) -
-    CHI_AT(b[0], a[1], b[2]) - CHI_AT(b[0], b[1], a[2]) + CHI_AT(a[0], a[1], b[2]) +
-    CHI_AT(a[0], b[1], a[2]) + CHI_AT(b[0], a[1], a[2]) - CHI_AT(a[0], a[1], a[2]);
-#undef CHI_AT
-  *all = (int64_t)((b[0] - a[0]) * (b[1] - a[1]) * (b[2] - a[2]));
-  return sum;
 }
 
 void chi_classification_free(const chi_exec* exec, chi_classification* c)

@@ -319,6 +319,48 @@ chi_status chi_bricks_build(const chi_exec* exec, chi_bricks* b, const chi_volum
   return status;
 }
 
+int64_t chi_bricks_sum(const chi_bricks* b, const uint8_t* flags, int32_t* sums)
+{
+  const size_t nx = b->count[0] + 1, ny = b->count[1] + 1, nz = b->count[2] + 1;
+  memset(sums, 0, nx * ny * nz * sizeof *sums);
+  for (size_t k = 1; k < nz; ++k)
+  {
+    for (size_t j = 1; j < ny; ++j)
+    {
+      int32_t* const row = sums + nx * (j + ny * k);
+      int32_t along = 0;
+      for (size_t i = 1; i < nx; ++i)
+      {
+        along += *flags++ != 0;
+        row[i] = along + row[i - nx] + row[i - nx * ny] - row[i - nx - nx * ny];
+      }
+    }
+  }
+  return sums[nx * ny * nz - 1];
+}
+
+int64_t chi_bricks_count(const chi_bricks* bricks, const int32_t* s, const double low[3],
+  const double high[3], int64_t* all)
+{
+  size_t a[3], b[3];
+  for (int k = 0; k < 3; ++k)
+  {
+    const double last = (double)(bricks->dimensions[k] - 1);
+    /* A hundredth of a voxel more on both sides: the kernels' positions are floats. */
+    const double l = low[k] - 0.01, h = high[k] + 0.01;
+    a[k] = (size_t)(l < 0 ? 0 : l > last ? last : l) >> 3;
+    b[k] = ((size_t)(h < 0 ? 0 : h > last ? last : h) >> 3) + 1;
+  }
+  const size_t nx = bricks->count[0] + 1, ny = bricks->count[1] + 1;
+#define CHI_AT(i, j, k) ((int64_t)s[(i) + nx * ((j) + ny * (k))])
+  const int64_t sum = CHI_AT(b[0], b[1], b[2]) - CHI_AT(a[0], b[1], b[2]) -
+    CHI_AT(b[0], a[1], b[2]) - CHI_AT(b[0], b[1], a[2]) + CHI_AT(a[0], a[1], b[2]) +
+    CHI_AT(a[0], b[1], a[2]) + CHI_AT(b[0], a[1], a[2]) - CHI_AT(a[0], a[1], a[2]);
+#undef CHI_AT
+  *all = (int64_t)((b[0] - a[0]) * (b[1] - a[1]) * (b[2] - a[2]));
+  return sum;
+}
+
 void chi_bricks_free(const chi_exec* exec, chi_bricks* b)
 {
   chi_buffer_free(exec, &b->copy);

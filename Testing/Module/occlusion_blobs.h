@@ -150,4 +150,69 @@ __attribute__((unused)) static double difference(
   return worst;
 }
 
+/* Regions of a scene, between index positions low and high along each axis. */
+__attribute__((unused)) static void crop(
+  scene* s, chi_crop_view* view, const double low[3], const double high[3], uint32_t regions)
+{
+  memset(view, 0, sizeof *view);
+  view->struct_size = sizeof *view;
+  view->regions = regions;
+  const double* const m = s->volume.index_to_world;
+  for (int k = 0; k < 6; ++k)
+  {
+    const int a = k / 2;
+    view->planes[k][a] = 1;
+    view->planes[k][3] = -((k & 1 ? high[a] : low[a]) * m[5 * a] + m[4 * a + 3]);
+  }
+  s->frame.crop = view;
+}
+
+/* Rotation of world about the centre of the blobs: no axis is parallel to a ray, or nearly. */
+static void askew(double turn[9])
+{
+  const double cy = cos(0.5), sy = sin(0.5), cx = cos(0.4), sx = sin(0.4);
+  const double r[9] = { cy, 0, sy, sx * sy, cx, -sx * cy, -cx * sy, sx, cx * cy };
+  memcpy(turn, r, sizeof r);
+}
+
+__attribute__((unused)) static void look_askew(scene* s)
+{
+  double turn[9];
+  askew(turn);
+  for (int r = 0; r < 3; ++r)
+  {
+    for (int c = 0; c < 3; ++c)
+    {
+      s->camera.world_to_eye[4 * r + c] = turn[3 * r + c];
+    }
+    s->camera.world_to_eye[4 * r + 3] = turn[3 * r + 2] * 100 - (r == 2 ? 100 : 0);
+  }
+}
+
+/* A pixel's ray p + t d, 0 <= t <= 1, in index space, through all of the blobs; its length in world
+ * units is returned. */
+__attribute__((unused)) static double askew_ray(const scene* s, int pixel, double p[3], double d[3])
+{
+  double turn[9], square = 0;
+  askew(turn);
+  const double* const w = s->camera.window;
+  const double u = w[0] + (pixel % WIDTH + 0.5) * (w[1] - w[0]) / WIDTH;
+  const double v = w[2] + (pixel / WIDTH + 0.5) * (w[3] - w[2]) / WIDTH;
+  const double first = s->camera.parallel ? 1 : 0, last = s->camera.parallel ? 1 : 200;
+  const double ends[2][3] = { { first * u, first * v, 0 }, { last * u, last * v, -200 } };
+  for (int a = 0; a < 3; ++a) /* eye to world by the transpose, world to index */
+  {
+    double end[2];
+    for (int e = 0; e < 2; ++e)
+    {
+      const double* const q = ends[e];
+      end[e] = turn[a] * q[0] + turn[3 + a] * q[1] + turn[6 + a] * (q[2] + 100);
+    }
+    p[a] = end[0] - (s->volume.index_to_world[4 * a + 3] + (a == 2 ? 100 : 0));
+    d[a] = end[1] - end[0];
+    square += d[a] * d[a];
+  }
+  return sqrt(square);
+}
+
 #endif

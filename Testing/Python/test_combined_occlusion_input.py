@@ -7,7 +7,7 @@ import numpy as np
 from occlusion_scene import Messages, Scene, ball, float_image, image, sphere, volume_property
 from vtkmodules.util import vtkConstants
 from vtkmodules.vtkCommonCore import vtkBitArray, vtkDataArray
-from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPlane, vtkRectilinearGrid, vtkUniformGrid
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPlane, vtkRectilinearGrid
 from vtkmodules.vtkCommonMath import vtkMatrix4x4
 from vtkmodules.util.numpy_support import numpy_to_vtk
 
@@ -266,12 +266,6 @@ class Input(unittest.TestCase):
         self.assertLessEqual(mean_difference(result, expected), 0.05)
 
     def test_what_is_not_supported_is_named_once_and_something_is_drawn(self):
-        def blank(data):
-            grid = vtkUniformGrid()
-            grid.DeepCopy(data)
-            grid.BlankPoint(0)
-            return grid
-
         data = image(lopsided(), SPACING)
         causes = {
             "two-dimensional transfer function": lambda volume, *_: volume.GetProperty().SetTransferFunctionModeTo2D(),
@@ -279,7 +273,6 @@ class Input(unittest.TestCase):
             "blend mode": lambda _volume, mapper, _scene: mapper.SetBlendModeToMaximumIntensity(),
             "clipping planes": lambda _volume, mapper, _scene: [
                 mapper.AddClippingPlane(vtkPlane()) for _ in range(33)],
-            "blanking": lambda _volume, mapper, _scene: mapper.SetInputDataObject(blank(data)),
         }
         if hasattr(volume_property(), "SetInterpolationTypeToCubic"):  # not in every VTK
             causes["cubic interpolation"] = lambda volume, *_: volume.GetProperty().SetInterpolationTypeToCubic()

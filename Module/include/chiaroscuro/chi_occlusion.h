@@ -153,6 +153,7 @@ typedef struct chi_occlusion_frame
   const chi_layers_view* layers; /**< NULL: no translucent geometry */
   const chi_crop_view* crop; /**< NULL: no regions are cropped; applies besides the clip planes */
   const chi_shading_view* shading; /**< NULL: the table's colours as they are */
+  const chi_mask_view* mask; /**< NULL: nothing is masked */
 } chi_occlusion_frame;
 
 /** The last picture, owned by the handle, valid until its next call. Row 0 is the lowest. */

@@ -43,9 +43,27 @@ typedef struct chi_sigma_entry
   float pad;
 } chi_sigma_entry;
 
+/* One bit a cell: what lies in it stays. Cell (i, j, k) holds the index positions that are (i, j, k)
+ * after adding `offset` and rounding down. */
+typedef struct chi_keep_grid
+{
+  const uint32_t* bits; /* cell n = i + step_y j + step_z k: bit n & 31 of word n >> 5 */
+  int32_t step_y, step_z;
+  int32_t last[3];
+  float offset; /* 0.5: voxels about samples; 0: cells between them */
+} chi_keep_grid;
+
+enum
+{
+  CHI_KEEP_GRIDS = 2
+};
+
 /* What is left of the volume, besides box and clip planes. */
 typedef struct chi_cut
 {
+  int grids; /* a point must stay in all of them */
+  chi_keep_grid grid[CHI_KEEP_GRIDS];
+  const uint8_t* whole; /* [bricks]: nothing is masked within a step of the brick */
   uint32_t regions;  /* that stay, bit x + 3 y + 9 z; 0x7ffffff: all */
   float plane[6][4]; /* index space: low x, high x, low y, ... */
 } chi_cut;
@@ -98,6 +116,9 @@ typedef struct chi_sample_frame
   float low[3], high[3];     /* the volume's box, index units */
   float base, scale, offset; /* table position = (scalar - base) * scale + offset */
   float table_end;           /* count - 1 */
+  float value_end;           /* the same of one table, where there are several */
+  const uint8_t* labels;     /* [samples, padded] table of the voxel; NULL: there is one table */
+  int32_t table_entries;     /* of one table */
   const chi_sigma_entry* sigma;
   const float (*rgba)[4];
   float quantum;

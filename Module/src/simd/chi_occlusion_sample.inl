@@ -106,7 +106,7 @@ typedef struct sample_piece
   int32_t entry[PIECE];
   float before[PIECE]; /* with gradients: table position at the near end */
   int32_t want[PIECE];   /* with cuts: something of the segment is left */
-  float back[PIECE];     /* with cuts: where its last part ends, slices from the far one, <= 0 */
+  float back[PIECE];     /* with cuts: where its sample lies, slices from the far one, <= 0 */
   float fraction[PIECE]; /* of the segment that lies in the box, less what is cut */
   int32_t entering[PIECE];
   float depth[PIECE]; /* optical thickness along the view axis */
@@ -124,14 +124,35 @@ CHI_INLINE int count_spared(chi_sample_row* row, const int why, int before, cons
   return left;
 }
 
+/* First entry of the tables of voxels about points. Where the label has changed since the near
+ * slice, what was sampled there is of another table, and the ray begins anew. */
+CHI_INLINE vi choose_table(
+  chi_sample_row* row, sample_piece* piece, const vf p[3], int x, int i, vi want)
+{
+  const chi_sample_frame* const s = row->frame;
+  vi at = vi_set(0);
+  const int32_t step[3] = { s->step_x, s->step_y, s->step_z };
+  for (int a = 0; a < 3; ++a)
+  {
+    at += vf_int(p[a] + 0.5f) * step[a];
+  }
+  const vi first = (vi_gather(s->labels, at, 1, want) & 255) * s->table_entries;
+  const vf before = vf_load(row->table_position + x), low = vi_float(first);
+  const vi other = ((before < low) | (before > low + s->value_end)) & vi_set(row->restart ? 0 : -1);
+  vf_store(row->table_position + x, vf_select(other, vf_set(NAN), before));
+  const vi entering = row->enter ? vi_load(piece->entering + i) : vi_set(row->first ? -1 : 0);
+  vi_store(piece->entering + i, entering | other);
+  return first;
+}
+
 /* Where the samples lie, which of them anybody needs, and their places in the tables. */
 CHI_INLINE void fetch_piece(chi_sample_row* row, sample_piece* piece, int x_begin, int count,
   const int fetch, const int nearest)
 {
   const chi_sample_frame* const s = row->frame;
   const vf nan = vf_set(NAN);
-  const vf end = vf_set(s->table_end);
-  const vi last_entry = vi_set((int32_t)s->table_end);
+  const vf end = vf_set(s->value_end);
+  const vi last_entry = vi_set((int32_t)s->value_end);
   for (int i = 0; i < count; i += CHI_LANES)
   {
     const int x = x_begin + i;
@@ -165,10 +186,19 @@ CHI_INLINE void fetch_piece(chi_sample_row* row, sample_piece* piece, int x_begi
       const vf stop = vf_min(far, leave), start = vf_max(near, enter);
       vf_store(piece->fraction + i, vf_max(stop - start, vf_set(0.0f)));
       vi_store(piece->entering + i, (enter >= near) | vi_set(row->first ? -1 : 0));
-      const vf back = stop - far;
+      const vf back = (nearest ? 0.5f * (start + stop) : stop) - far;
       for (int a = 0; a < 3; ++a)
       {
         p[a] += back * (row->direction[a] + xs * row->direction_x[a]);
+      }
+    }
+    else if (nearest)
+    {
+      /* Samples that are steps count for the segment about them; at its end they might lie on a
+       * face, where rounding chooses. */
+      for (int a = 0; a < 3; ++a)
+      {
+        p[a] -= 0.5f * (row->direction[a] + xs * row->direction_x[a]);
       }
     }
     for (int a = 0; a < 3; ++a)
@@ -207,6 +237,12 @@ CHI_INLINE void fetch_piece(chi_sample_row* row, sample_piece* piece, int x_begi
     t = vf_min(vf_max(t, vf_set(0.0f)), end);
     vi entry = vf_int(t);
     entry -= (entry >= last_entry) & 1; /* the last entry has no interval after it */
+    if (s->labels)
+    {
+      const vi first = choose_table(row, piece, p, x, i, want);
+      entry += first;
+      t += vi_float(first);
+    }
     vf_store(piece->t + i, vf_select(finite, t, nan));
     vi_store(piece->entry + i, entry & finite);
   }
@@ -249,7 +285,8 @@ CHI_INLINE void classify_piece(
     vf sigma = vf_select(steep, integral / vf_select(steep, change, vf_set(1.0f)), local);
     /* A ray that begins here has no scalar before; elsewhere an unsampled neighbour was
      * transparent, and its brick's margin covers this segment. */
-    const vi entering = row->enter ? vi_load(piece->entering + i) : vi_set(row->first ? -1 : 0);
+    const vi entering =
+      row->enter || s->labels ? vi_load(piece->entering + i) : vi_set(row->first ? -1 : 0);
     const vi valid = finite & (known | entering);
     sigma = vf_select(valid, vf_max(sigma, vf_set(0.0f)), vf_set(0.0f));
     vf_store(row->table_position + x, t);
