@@ -6,6 +6,7 @@
 #include "vtkChiCameraView.h"
 #include "vtkChiCombinedOcclusionVolumeMapper.h"
 #include "vtkChiCompositor.h"
+#include "vtkChiLabelInput.h"
 #include "vtkChiMaskInput.h"
 #include "vtkChiOcclusionFrame.h"
 #include "vtkChiQuality.h"
@@ -30,6 +31,8 @@ struct vtkChiCombinedOcclusionVolumeMapper::Internals
   // collected
   vtkChiVolumeInput Input;
   vtkChiMaskInput Masks;
+  vtkChiLabelInput Labels;
+  bool HasLabels = false;
   vtkSmartPointer<vtkImageData> MaskInput;
   vtkChiCameraView Camera;
   chi_occlusion_params Params = {};
@@ -70,7 +73,9 @@ struct vtkChiCombinedOcclusionVolumeMapper::Internals
     frame.struct_size = sizeof(frame);
     frame.camera = this->Camera.Get();
     frame.volume = this->HasVolume ? this->Input.GetVolume() : nullptr;
-    frame.transfer = this->HasVolume ? this->Input.GetTransfer() : nullptr;
+    frame.transfer = !this->HasVolume ? nullptr
+      : this->HasLabels               ? this->Labels.GetTransfer()
+                                      : this->Input.GetTransfer();
     frame.params = &this->Params;
     frame.clip_planes = this->Input.GetClipPlanes().data();
     frame.clip_plane_count = this->HasVolume ? this->Input.GetClipPlanes().size() / 4 : 0;

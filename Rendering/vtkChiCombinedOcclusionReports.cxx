@@ -275,6 +275,7 @@ void vtkChiCombinedOcclusionVolumeMapper::PrintSelf(ostream& os, vtkIndent inden
   os << indent << "MaskInput: " << this->Internal->MaskInput.Get() << "\n";
   os << indent << "MaskType: " << (this->MaskType == BinaryMaskType ? "Binary" : "LabelMap")
      << "\n";
+  os << indent << "MaskBlendFactor: " << this->MaskBlendFactor << "\n";
   os << indent << "NumberOfDirections: " << this->NumberOfDirections << "\n";
   os << indent << "SampleDistance: " << this->SampleDistance << "\n";
   os << indent << "Transfer2DYAxisArray: "

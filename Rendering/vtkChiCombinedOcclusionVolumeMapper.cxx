@@ -276,14 +276,23 @@ bool vtkChiCombinedOcclusionVolumeMapper::Collect(vtkRenderer* renderer, vtkVolu
 void vtkChiCombinedOcclusionVolumeMapper::CollectMasks(vtkVolume* volume)
 {
   Internals& in = *this->Internal;
-  vtkImageData* mask = this->MaskType == BinaryMaskType ? in.MaskInput.Get() : nullptr;
+  const bool binary = this->MaskType == BinaryMaskType;
+  in.HasLabels = in.MaskInput && !binary && !in.Input.GetTransfer()->plane &&
+    in.Labels.Collect(volume->GetProperty(), *in.Input.GetTransfer(), this->MaskBlendFactor);
+  vtkImageData* mask = binary || in.HasLabels ? in.MaskInput.Get() : nullptr;
   if (!in.Masks.CollectCrop(this, volume, in.Camera.GetWorld()) ||
-    !in.Masks.CollectMask(this->GetInput(), *in.Input.GetVolume(), mask))
+    !in.Masks.CollectMask(this->GetInput(), *in.Input.GetVolume(), mask,
+      in.HasLabels ? &in.Labels.GetTableOfValue() : nullptr))
   {
     this->SayOnce(in.Masks.GetProblem().c_str(), true);
     in.HasVolume = false;
   }
+  in.HasLabels = in.HasLabels && in.Masks.GetMask();
   for (const std::string& limit : in.Masks.GetLimits())
+  {
+    this->SayOnce(limit.c_str());
+  }
+  for (const std::string& limit : in.Labels.GetLimits())
   {
     this->SayOnce(limit.c_str());
   }
@@ -316,8 +325,10 @@ void vtkChiCombinedOcclusionVolumeMapper::CollectUnsupported(vtkVolume* volume)
       this->SayOnce(what);
     }
   };
-  check(this->Internal->MaskInput && this->MaskType == LabelMapMaskType,
-    "label map masks are not supported yet: all is drawn with the volume's own functions");
+  check(this->Internal->MaskInput && this->MaskType == LabelMapMaskType &&
+      property->GetTransferFunctionMode() == vtkVolumeProperty::TF_2D,
+    "label map masks are not supported with two-dimensional transfer functions: labels are "
+    "ignored");
   check(this->BlendMode != COMPOSITE_BLEND,
     "only the composite blend mode is supported yet: composite is used");
   check(vtkMultiVolume::SafeDownCast(volume) != nullptr,

@@ -21,13 +21,13 @@
  * matrix, extent; of the vtkVolumeProperty the colour function (RGB or gray), the scalar opacity,
  * its unit distance, gradient opacity, shading (with the renderer's lights, by the same formula as
  * vtkGPUVolumeRayCastMapper; occlusion takes ambient and diffuse light, not highlights), nearest or
- * linear interpolation; of the mapper up to 32 clipping planes, all cropping regions and a binary
- * mask; of the input, blanked points and cells (vtkUniformGrid, ghost arrays): what is cut, masked
+ * linear interpolation; of the mapper up to 32 clipping planes, all cropping regions and a mask,
+ * binary or of labels with transfer functions of their own; of the input, blanked points and cells (vtkUniformGrid, ghost arrays): what is cut, masked
  * or blanked neither draws nor darkens. Blending is composite.
  *
  * <b>What is not supported yet</b> is named in a warning, once for each cause, and the picture is
  * drawn without it: two-dimensional transfer functions, several components (the first one is
- * drawn), other blend modes, label maps, cubic interpolation, sheared projections
+ * drawn), other blend modes, cubic interpolation, sheared projections
  * (stereo in parallel projection is one).
  *
  * <b>Opaque geometry.</b> The pixels of opaque geometry are rewritten once a frame, by the first of
@@ -416,13 +416,25 @@ public:
   ///@{
   /**
    * Binary: what lies in voxels of values not greater than 0 neither draws nor darkens. Faces of
-   * voxels are exact where slices lie up to two voxels apart. Default: label map, as in
-   * vtkGPUVolumeRayCastMapper.
+   * voxels are exact where slices lie up to two voxels apart. Label map, the default as in
+   * vtkGPUVolumeRayCastMapper: voxels of label 0, and of labels without functions, are drawn with
+   * the volume's own functions, others with those of vtkVolumeProperty::SetLabelColor and
+   * SetLabelScalarOpacity, opacity over the volume's unit distance. A segment counts with the label
+   * at its end.
    */
   vtkSetClampMacro(MaskType, int, BinaryMaskType, LabelMapMaskType);
   vtkGetMacro(MaskType, int);
   void SetMaskTypeToBinary() { this->SetMaskType(BinaryMaskType); }
   void SetMaskTypeToLabelMap() { this->SetMaskType(LabelMapMaskType); }
+  ///@}
+
+  ///@{
+  /**
+   * Share of a label's own colour and opacity, the volume's own have the rest: 0 ... 1, default 1.
+   * Of label maps only.
+   */
+  vtkSetClampMacro(MaskBlendFactor, float, 0.0f, 1.0f);
+  vtkGetMacro(MaskBlendFactor, float);
   ///@}
 
   ///@{
@@ -601,6 +613,7 @@ protected:
 
   double ConeAngle = 45.0;
   int MaskType = LabelMapMaskType;
+  float MaskBlendFactor = 1.0f;
   double LightDirection[3] = { 0.0, 0.0, 1.0 };
   double SecondLightDirection[3] = { 0.0, 0.0, 1.0 };
   double SecondLightConeAngle = 45.0;

@@ -99,8 +99,8 @@ bool vtkChiMaskInput::CollectCrop(
 }
 
 //------------------------------------------------------------------------------
-bool vtkChiMaskInput::CollectMask(
-  vtkDataSet* input, const chi_volume_view& samples, vtkImageData* mask)
+bool vtkChiMaskInput::CollectMask(vtkDataSet* input, const chi_volume_view& samples,
+  vtkImageData* mask, const std::vector<std::uint8_t>* tables)
 {
   this->Problem.clear();
   this->Limits.clear();
@@ -126,11 +126,15 @@ bool vtkChiMaskInput::CollectMask(
     this->Mask.point_flags ? input->GetPointGhostArray()->GetMTime() : 0,
     this->Mask.cell_flags ? input->GetCellGhostArray()->GetMTime() : 0,
     this->HasMask ? input->GetMTime() : 0, mask ? mask->GetMTime() : 0 };
-  if (key != this->MaskKey)
+  const std::vector<std::uint8_t> labels = tables && mask ? *tables : std::vector<std::uint8_t>();
+  if (key != this->MaskKey || labels != this->Tables)
   {
     this->MaskKey = key;
+    this->Tables = labels;
     ++this->Mask.version;
   }
+  this->Mask.table_of_value = this->Tables.empty() ? nullptr : this->Tables.data();
+  this->Mask.value_count = this->Tables.size();
   return true;
 }
 

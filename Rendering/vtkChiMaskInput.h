@@ -34,7 +34,9 @@ public:
   // False where what is left is not known: GetProblem says why. `samples` is what the core gets of
   // the input; `mask` may be null.
   bool CollectCrop(vtkAbstractVolumeMapper* mapper, vtkVolume* volume, const double* world);
-  bool CollectMask(vtkDataSet* input, const chi_volume_view& samples, vtkImageData* mask);
+  // `tables`: of the labels that the mask's values are; null where they are a binary mask.
+  bool CollectMask(vtkDataSet* input, const chi_volume_view& samples, vtkImageData* mask,
+    const std::vector<std::uint8_t>* tables);
 
   // Null: all of it. The inner box alone is left to clip planes, see vtkChiVolumeInput.
   const chi_crop_view* GetCrop() const { return this->HasCrop ? &this->Crop : nullptr; }
@@ -55,6 +57,7 @@ private:
   vtkSmartPointer<vtkDataArray> Values; // as handed to the core: the same, or a plain copy
   std::array<std::uint64_t, 2> ValuesKey = {};
   std::array<std::uint64_t, 8> MaskKey = {};
+  std::vector<std::uint8_t> Tables; // by label
   std::string Problem;
   std::vector<std::string> Limits;
 };
