@@ -482,6 +482,7 @@ chi_status chi_occlusion_render(
   {
     status = chi_reduce(exec, &o->reduction, frame, reduction);
     drawn = &o->reduction.frame;
+    o->has_frame = status == CHI_OK ? o->has_frame : 0;
   }
   chi_scene scene;
   if (status == CHI_OK)

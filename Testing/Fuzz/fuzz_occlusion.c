@@ -123,7 +123,9 @@ static chi_occlusion_params fuzz_params(fuzz* f)
   p.sample_distance = fuzz_mostly(f, (double)fuzz_byte(f) / 128);
   p.bias = fuzz_mostly(f, fuzz_unit(f));
   p.geometry_thickness = fuzz_once_in(f, 4) ? INFINITY : fuzz_mostly(f, (double)fuzz_byte(f) / 64);
-  p.skip = fuzz_byte(f) & 1;
+  p.skip = fuzz_byte(f) & 1 ? CHI_SKIP_ALL : (int32_t)fuzz_upto(f, CHI_SKIP_EVERY_KIND);
+  p.reduction = fuzz_once_in(f, 4) ? (int32_t)fuzz_upto(f, 5) : 0;
+  p.coarsening = fuzz_once_in(f, 4) ? fuzz_mostly(f, 1 + (double)fuzz_byte(f) / 64) : 0;
   return p;
 }
 
@@ -167,6 +169,7 @@ static void render(fuzz* f, chi_occlusion* o)
   const chi_surface_view surface = {
     .struct_size = sizeof surface, .depth = depth, .version = ++f->versions
   };
+  float* const depth_found = (float*)fuzz_new(f, pixels * sizeof *depth_found);
   double position[3 * 8];
   float visibility[8];
   for (int i = 0; i < 24; ++i)
@@ -203,7 +206,18 @@ static void render(fuzz* f, chi_occlusion* o)
     FUZZ_CHECK(frame.probes || chi_occlusion_render(&exec, o, &frame) == CHI_OK);
     chi_occlusion_stats stats;
     chi_occlusion_get_stats(o, &stats);
-    FUZZ_CHECK(frame.probes || stats.reused); /* nothing changed */
+    const int reuses = params.skip & (CHI_SKIP_ALL | CHI_SKIP_UNCHANGED);
+    FUZZ_CHECK(frame.probes || stats.reused == (reuses != 0)); /* nothing changed */
+    if (small && frame.volume)
+    {
+      fuzz_before(f);
+      const double alpha = 0.01 + (double)fuzz_byte(f) / 260;
+      FUZZ_CHECK(chi_occlusion_find_depth(&exec, o, &frame, alpha, depth_found) == CHI_OK);
+      for (size_t i = 0; i < pixels; ++i)
+      {
+        FUZZ_CHECK(depth_found[i] == INFINITY || isfinite(depth_found[i]));
+      }
+    }
   }
   else if (status == CHI_ERROR_OUT_OF_MEMORY || status == CHI_ERROR_CANCELLED)
   {
