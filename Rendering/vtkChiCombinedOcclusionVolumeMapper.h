@@ -19,14 +19,15 @@
  * scalars of every VTK type, of points or cells, chosen with SetScalarMode and SelectScalarArray;
  * the volume's full matrix (user matrix, non-uniform scale, mirror), spacing of any sign, direction
  * matrix, extent; of the vtkVolumeProperty the colour function (RGB or gray), the scalar opacity,
- * its unit distance, gradient opacity, shading (with the renderer's lights, by the same formula as
- * vtkGPUVolumeRayCastMapper; occlusion takes ambient and diffuse light, not highlights), nearest or
- * linear interpolation; of the mapper up to 32 clipping planes, all cropping regions and a mask,
- * binary or of labels with transfer functions of their own; of the input, blanked points and cells (vtkUniformGrid, ghost arrays): what is cut, masked
- * or blanked neither draws nor darkens. Blending is composite.
+ * its unit distance, gradient opacity, 2-D transfer functions, shading (with the renderer's lights,
+ * by the same formula as vtkGPUVolumeRayCastMapper; occlusion takes ambient and diffuse light, not
+ * highlights), nearest or linear interpolation; of the mapper up to 32 clipping planes, all
+ * cropping regions and a mask, binary or of labels with transfer functions of their own; of the
+ * input, blanked points and cells (vtkUniformGrid, ghost arrays): what is cut, masked or blanked
+ * neither draws nor darkens. Blending is composite.
  *
  * <b>What is not supported yet</b> is named in a warning, once for each cause, and the picture is
- * drawn without it: two-dimensional transfer functions, several components (the first one is
+ * drawn without it: several components (the first one is
  * drawn), other blend modes, cubic interpolation, sheared projections
  * (stereo in parallel projection is one).
  *

@@ -8,7 +8,9 @@ a frame; a frame ends when OpenGL has finished, so that ours includes read-back 
 "unchanged" repeat a frame in which nothing changed. Prints
 topic,case,method,parameter,n,threads,min_ns,error,error_kind, where the error is the mean absolute
 difference to the picture of 64 directions and full-size light buffers, for peers to our unshaded
-picture at a tenth of a voxel, in units of full scale over the pixels that the volume covers.
+picture at a tenth of a voxel, in units of full scale over the pixels that the volume covers. Rows
+"with gradients" are lit by the renderer's headlight as well (vtkVolumeProperty::ShadeOn), and
+compared with pictures that are.
 """
 import os
 import sys
@@ -119,17 +121,22 @@ def main():
     for case in sys.argv[1:] or ["fog", "shells"]:
         prop = classification(case)
 
-        def ours(directions=16, full=False, strength=1.0, step=0.0):
+        lit = classification(case)
+        lit.ShadeOn()
+
+        def ours(directions=16, full=False, strength=1.0, step=0.0, material=prop):
             mapper = vtkChiCombinedOcclusionVolumeMapper()
             mapper.SetNumberOfDirections(directions)
             mapper.SetOcclusionStrength(strength)
             mapper.SetSampleDistance(step)
             if full:
                 mapper.SetOcclusionResolutionToFull()
-            return Run(data, mapper, prop)
+            return Run(data, mapper, material)
 
         shaded = ours(64, True).picture()
         unshaded = ours(strength=0.0, step=0.1 * VOXEL).picture()
+        lit_shaded = ours(64, True, material=lit).picture()
+        lit_unshaded = ours(strength=0.0, step=0.1 * VOXEL, material=lit).picture()
         to_shaded, to_unshaded = "mean_abs_to_64_full", "mean_abs_to_unshaded"
         runs = [
             ("chi", "16 directions half", ours(16), shaded, to_shaded),
@@ -137,6 +144,9 @@ def main():
             ("chi", "16 directions full", ours(16, True), shaded, to_shaded),
             ("chi", "strength 0", ours(strength=0.0), unshaded, to_unshaded),
             ("vtkGPUVolumeRayCastMapper", "unshaded", Run(data, peer(VOXEL), prop), unshaded, to_unshaded),
+            ("chi", "16 directions half with gradients", ours(16, material=lit), lit_shaded, to_shaded),
+            ("chi", "strength 0 with gradients", ours(strength=0.0, material=lit), lit_unshaded, to_unshaded),
+            ("vtkGPUVolumeRayCastMapper", "with gradients", Run(data, peer(VOXEL), lit), lit_unshaded, to_unshaded),
         ]
         times = race([run for _, _, run, _, _ in runs])
         for (method, parameter, run, reference, kind), time_ns in zip(runs, times):
@@ -151,8 +161,6 @@ def main():
             mapper = peer(VOXEL)
             mapper.SetGlobalIlluminationReach(1.0)
             mapper.SetVolumetricScatteringBlending(2.0)
-            lit = classification(case)
-            lit.ShadeOn()
             run = Run(data, mapper, lit)
             # its shading is another model: its time counts, not its difference to ours
             time_ns = min(run.next_frame() for _ in range(5))
