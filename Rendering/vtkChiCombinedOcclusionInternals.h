@@ -81,7 +81,10 @@ struct vtkChiCombinedOcclusionVolumeMapper::Internals
     frame.clip_plane_count = this->HasVolume ? this->Input.GetClipPlanes().size() / 4 : 0;
     frame.crop = this->HasVolume ? this->Masks.GetCrop() : nullptr;
     frame.mask = this->HasVolume ? this->Masks.GetMask() : nullptr;
-    frame.shading = this->HasVolume ? this->Input.GetShading()->GetShading() : nullptr;
+    frame.components = this->HasVolume ? this->Input.GetComponents() : nullptr;
+    frame.shading = this->HasVolume && !frame.components
+      ? this->Input.GetShading()->GetShading()
+      : nullptr;
     return frame;
   }
 };

@@ -309,6 +309,9 @@ void vtkChiCombinedOcclusionVolumeMapper::PrintSelf(ostream& os, vtkIndent inden
   os << indent << "GeometryToVolume: " << this->GeometryToVolume << "\n";
   os << indent << "GeometryToGeometry: " << this->GeometryToGeometry << "\n";
   os << indent << "GeometryAntiAliasing: " << this->GeometryAntiAliasing << "\n";
+  os << indent << "ColorIntegration: "
+     << (this->ColorIntegration == COLOR_MIDDLE ? "Middle" : "PreIntegrated") << "\n";
+  os << indent << "Dither: " << this->Dither << "\n";
   os << indent << "Skipping: " << this->Skipping << "\n";
   os << indent << "SkippingMask: " << this->SkippingMask << "\n";
   os << indent << "AutoAdjustQuality: " << this->AutoAdjustQuality << "\n";

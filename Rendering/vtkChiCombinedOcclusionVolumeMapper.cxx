@@ -361,6 +361,8 @@ void vtkChiCombinedOcclusionVolumeMapper::CollectParameters()
   params.geometry_thickness = this->GeometryThickness >= VTK_DOUBLE_MAX
     ? std::numeric_limits<double>::infinity()
     : this->GeometryThickness;
+  params.color_integration =
+    this->ColorIntegration == COLOR_MIDDLE ? CHI_COLOR_MIDDLE : CHI_COLOR_PREINTEGRATED;
   params.skip = this->Skipping ? this->SkippingMask : CHI_SKIP_NOTHING;
   params.geometry_opacity = this->GeometryOpacity;
   params.combine = this->CombineMode == COMBINE_MINIMUM ? CHI_COMBINE_MINIMUM : CHI_COMBINE_PRODUCT;
@@ -581,6 +583,7 @@ void vtkChiCombinedOcclusionVolumeMapper::Composite(vtkRenderer* renderer, vtkVo
     in.Frame->GetNumberOfLayers() >= countOcclusionVolumes(renderer);
   picture.Layered = in.Frame->GetTranslucent()->IsHiding();
   picture.Peeling = in.Peeling;
+  picture.Dither = this->Dither;
   if (!in.Compositor.Draw(renderer, picture))
   {
     this->SayOnce("the shader that draws the picture could not be built", true);

@@ -24,11 +24,13 @@
  * highlights), nearest or linear interpolation; of the mapper up to 32 clipping planes, all
  * cropping regions and a mask, binary or of labels with transfer functions of their own; of the
  * input, blanked points and cells (vtkUniformGrid, ghost arrays): what is cut, masked or blanked
- * neither draws nor darkens. Blending is composite.
+ * neither draws nor darkens. Blending is composite. Up to four independent components, each with its
+ * functions and weight, and two or four dependent ones (colour and opacity; red, green, blue and
+ * opacity, 8-bit or 0 to 1) are composed as vtkGPUVolumeRayCastMapper does.
  *
  * <b>What is not supported yet</b> is named in a warning, once for each cause, and the picture is
- * drawn without it: several components (the first one is
- * drawn), other blend modes, cubic interpolation, sheared projections
+ * drawn without it: shading, gradient opacity and 2-D transfer functions of several components,
+ * other blend modes, cubic interpolation, sheared projections
  * (stereo in parallel projection is one).
  *
  * <b>Opaque geometry.</b> The pixels of opaque geometry are rewritten once a frame, by the first of
@@ -111,6 +113,11 @@ public:
     COMBINE_MINIMUM = 1
   };
   // The flags of chi_occlusion.h.
+  enum ColorIntegrations
+  {
+    COLOR_PREINTEGRATED = 0,
+    COLOR_MIDDLE = 1
+  };
   enum SkippingKinds
   {
     SKIP_EMPTY_BRICKS = 2,      // samples in bricks that the transfer function makes transparent
@@ -440,6 +447,30 @@ public:
 
   ///@{
   /**
+   * Colour of a ray between two slices: what the eye gets of the transfer function from the one
+   * scalar to the other, nearer parts before farther ones (the default), taken where the middle's
+   * colour would be wrong by more than 1/255; or always the colour of the middle scalar. Extinction
+   * is integrated exactly with either.
+   */
+  vtkSetClampMacro(ColorIntegration, int, COLOR_PREINTEGRATED, COLOR_MIDDLE);
+  vtkGetMacro(ColorIntegration, int);
+  void SetColorIntegrationToPreIntegrated() { this->SetColorIntegration(COLOR_PREINTEGRATED); }
+  void SetColorIntegrationToMiddle() { this->SetColorIntegration(COLOR_MIDDLE); }
+  ///@}
+
+  ///@{
+  /**
+   * Add a fixed pattern of 8 x 8 pixels (Bayer 1973), within half a step of 8 bits, where the float
+   * picture is drawn into the frame buffer, so that slow changes of brightness show no bands.
+   * Default off. GetFloatImage is not touched by it.
+   */
+  vtkSetMacro(Dither, bool);
+  vtkGetMacro(Dither, bool);
+  vtkBooleanMacro(Dither, bool);
+  ///@}
+
+  ///@{
+  /**
    * Leave out work that cannot change the picture by more than 1/255: empty bricks, saturated rays,
    * what lies behind opaque geometry, light that nothing visible receives. Default on; the switch
    * is there to prove that it changes nothing.
@@ -640,6 +671,8 @@ protected:
   bool GeometryToVolume = true;
   bool GeometryToGeometry = true;
   int GeometryAntiAliasing = GEOMETRY_ALIASED;
+  int ColorIntegration = COLOR_PREINTEGRATED;
+  bool Dither = false;
   bool Skipping = true;
   int SkippingMask = SKIP_EVERY_KIND;
   bool AutoAdjustQuality = true;

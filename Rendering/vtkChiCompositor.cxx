@@ -180,6 +180,7 @@ void vtkChiCompositor::DrawQuad(vtkRenderer* renderer, const Picture& picture)
     }
     program->SetUniformi(names[i], (texture ? texture : this->Layer)->GetTextureUnit());
   }
+  program->SetUniformi("dither", picture.Dither ? 1 : 0);
   program->SetUniformi("hasSpecular", textures[3] ? 1 : 0);
   program->SetUniformi("hasSurface", picture.Surface ? 1 : 0);
   const bool rewrite = picture.Surface && picture.First &&

@@ -32,6 +32,7 @@ public:
     bool Hidden = false;  // the frame buffer holds depths of the geometry, no colour
     bool Smooth = false;  // the last of this frame, and FXAA is to go over it
     bool Layered = false; // translucent geometry is in the picture, nowhere else
+    bool Dither = false;  // an ordered pattern within half a step of 8 bits
     bool Peeling = false; // a buffer of the depth peeling pass is bound
   };
 

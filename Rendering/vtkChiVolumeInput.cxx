@@ -9,14 +9,12 @@
 #include "vtkAbstractMapper.h"
 #include "vtkAbstractVolumeMapper.h"
 #include "vtkCellData.h"
-#include "vtkColorTransferFunction.h"
 #include "vtkDataSetAttributes.h"
 #include "vtkFloatArray.h"
 #include "vtkImageData.h"
 #include "vtkMath.h"
 #include "vtkMatrix4x4.h"
 #include "vtkNew.h"
-#include "vtkPiecewiseFunction.h"
 #include "vtkPlane.h"
 #include "vtkPlaneCollection.h"
 #include "vtkPointData.h"
@@ -28,7 +26,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <iterator>
 
 namespace
 {
@@ -42,27 +40,6 @@ std::string describe(vtkDataArray* array)
   return std::string("array '") + (array->GetName() ? array->GetName() : "(unnamed)") + "' (" +
     array->GetDataTypeAsString() + ", " + std::to_string(array->GetNumberOfTuples()) + " tuples, " +
     std::to_string(array->GetNumberOfComponents()) + " components)";
-}
-
-// The smallest distance between nodes of the opacity function, of those larger than `least`;
-// infinite where there is none.
-double narrowestGap(vtkVolumeProperty* property, double least)
-{
-  vtkPiecewiseFunction* opacity = property->GetScalarOpacity(0);
-  double gap = std::numeric_limits<double>::infinity();
-  double last[4];
-  double node[4];
-  for (int i = 0; i < opacity->GetSize(); ++i)
-  {
-    opacity->GetNodeValue(i, node);
-    const double distance = i > 0 ? node[0] - last[0] : 0.0;
-    if (distance > least)
-    {
-      gap = std::min(gap, distance);
-    }
-    std::copy(node, node + 4, last);
-  }
-  return gap;
 }
 
 void multiply(const double* a, const double* b, double* product)
@@ -167,11 +144,6 @@ bool vtkChiVolumeInput::CollectSamples(
   {
     this->Problem = describe(scalars) + " has no components";
     return false;
-  }
-  if (scalars->GetNumberOfComponents() > 1)
-  {
-    this->Limits.push_back(
-      "several components are not supported yet: only the first is drawn of " + describe(scalars));
   }
 
   const std::array<std::uint64_t, 4> key = { bits(scalars), scalars->GetMTime(), time,
@@ -297,68 +269,6 @@ bool vtkChiVolumeInput::CollectClips(
 }
 
 //------------------------------------------------------------------------------
-// Entries and range of the tables. Outside the nodes the functions are constant, so the tables need
-// to span the nodes only, and of these only the part that the data reach.
-void vtkChiVolumeInput::ChooseTableRange(vtkVolumeProperty* property)
-{
-  double nodes[2];
-  property->GetScalarOpacity(0)->GetRange(nodes);
-  double colorNodes[2];
-  bool clamped = property->GetScalarOpacity(0)->GetClamping() != 0;
-  if (property->GetColorChannels(0) == 1)
-  {
-    property->GetGrayTransferFunction(0)->GetRange(colorNodes);
-    clamped = clamped && property->GetGrayTransferFunction(0)->GetClamping() != 0;
-  }
-  else
-  {
-    property->GetRGBTransferFunction(0)->GetRange(colorNodes);
-    clamped = clamped && property->GetRGBTransferFunction(0)->GetClamping() != 0;
-  }
-  nodes[0] = std::min(nodes[0], colorNodes[0]);
-  nodes[1] = std::max(nodes[1], colorNodes[1]);
-
-  double data[2];
-  this->Samples->GetFiniteRange(data, 0);
-  if (!(data[0] <= data[1])) // no finite sample at all
-  {
-    data[0] = nodes[0];
-    data[1] = nodes[1];
-  }
-  double low = clamped ? std::max(nodes[0], std::min(data[0], nodes[1])) : data[0];
-  double high = clamped ? std::min(nodes[1], std::max(data[1], nodes[0])) : data[1];
-  const int type = this->Samples->GetDataType();
-  const bool integers = type != VTK_FLOAT && type != VTK_DOUBLE && high - low < 65535.0;
-  if (integers)
-  {
-    low = std::floor(low);
-    high = std::max(std::ceil(high), low + 1.0);
-    // entries on the integers, and evenly between them where there is room, so that nodes at
-    // integers, where the steps of such functions are, are met exactly
-    const double span = high - low;
-    const double parts = std::max(1.0, std::floor(4096.0 / span));
-    this->Transfer.count = static_cast<std::size_t>(span * parts) + 1;
-  }
-  else
-  {
-    const double room = std::max(std::abs(low), std::abs(high)) * 1e-6;
-    if (!(high - low > room)) // one value, or none: a table around it
-    {
-      const double half = std::max(room, 1e-30);
-      low -= half;
-      high += half;
-    }
-    // four entries over the narrowest feature, but for those that are meant as steps
-    const double span = high - low;
-    const double entries = 4.0 * span / narrowestGap(property, span / 16384.0);
-    this->Transfer.count =
-      static_cast<std::size_t>(std::min(std::max(entries, 4096.0), 16384.0)) + 1;
-  }
-  this->Transfer.range[0] = low;
-  this->Transfer.range[1] = high;
-}
-
-//------------------------------------------------------------------------------
 void vtkChiVolumeInput::AddPlaneLimit()
 {
   if (!this->Shading.GetPlaneProblem().empty())
@@ -391,6 +301,38 @@ vtkDataArray* vtkChiVolumeInput::FindSecond(vtkVolumeProperty* property, vtkImag
 }
 
 //------------------------------------------------------------------------------
+// How many components are drawn. VTK knows up to four independent ones, and two or four dependent.
+int vtkChiVolumeInput::CountComponents(vtkVolumeProperty* property)
+{
+  const int there = this->Samples->GetNumberOfComponents();
+  if (there == 1)
+  {
+    return 1;
+  }
+  if (!property->GetIndependentComponents() && there != 2 && there != 4)
+  {
+    this->Limits.push_back("dependent components (vtkVolumeProperty) must be 2 or 4: only the "
+                           "first is drawn of " +
+      describe(this->Scalars));
+    return 1;
+  }
+  if (there > CHI_MAX_COMPONENTS)
+  {
+    this->Limits.push_back(
+      "more than four components are not supported: the first four are drawn of " +
+      describe(this->Scalars));
+  }
+  if (property->GetShade(0) || vtkChiShadingInput::GetGradientOpacityTime(property) != 0 ||
+    vtkChiShadingInput::GetPlaneTime(property) != 0)
+  {
+    this->Limits.emplace_back("shading by gradients, gradient opacity and two-dimensional transfer "
+                              "functions are not supported yet for several components: they are "
+                              "drawn without");
+  }
+  return std::min(there, static_cast<int>(CHI_MAX_COMPONENTS));
+}
+
+//------------------------------------------------------------------------------
 bool vtkChiVolumeInput::CollectTransfer(
   vtkVolumeProperty* property, vtkImageData* image, vtkMTimeType time)
 {
@@ -402,77 +344,51 @@ bool vtkChiVolumeInput::CollectTransfer(
       "cubic interpolation (vtkVolumeProperty) is not supported yet: linear is used");
   }
   vtkDataArray* second = this->FindSecond(property, image);
-  vtkPiecewiseFunction* opacity = property->GetScalarOpacity(0);
-  const int channels = property->GetColorChannels(0);
-  vtkPiecewiseFunction* gray = channels == 1 ? property->GetGrayTransferFunction(0) : nullptr;
-  vtkColorTransferFunction* color = gray ? nullptr : property->GetRGBTransferFunction(0);
-  double unitDistance = property->GetScalarOpacityUnitDistance(0);
-  if (!(unitDistance > 0.0) || !std::isfinite(unitDistance))
+  const int count = this->CountComponents(property);
+  const bool dependent = count > 1 && !property->GetIndependentComponents();
+  const int own = dependent ? count - 1 : 0;
+  const bool changed =
+    this->Functions[0].Collect(property, 0, this->Samples, own, this->Volume.version, time);
+  std::vector<std::string> limits = { this->Functions[0].GetLimit() };
+  const std::array<std::uint64_t, 5> key = { vtkChiShadingInput::GetGradientOpacityTime(property),
+    vtkChiShadingInput::GetPlaneTime(property), bits(second), second ? second->GetMTime() : 0,
+    static_cast<std::uint64_t>(count) };
+  if (changed || key != this->ShadingKey)
   {
-    this->Limits.push_back("a scalar opacity unit distance of " + std::to_string(unitDistance) +
-      " (vtkVolumeProperty) has no meaning: 1 is used");
-    unitDistance = 1.0;
+    const std::uint64_t version = this->Transfer.version;
+    this->Transfer = *this->Functions[0].GetTransfer();
+    this->Transfer.version = version + 1;
+    this->ShadingKey = key;
+    if (count == 1)
+    {
+      this->Shading.CollectGradientOpacity(property, this->Samples, &this->Transfer);
+      this->Shading.CollectPlane(property, this->Samples, second, &this->Transfer);
+    }
   }
-
-  std::uint64_t distanceBits = 0;
-  static_assert(sizeof(distanceBits) == sizeof(unitDistance), "bits of a double");
-  std::copy_n(reinterpret_cast<const char*>(&unitDistance), sizeof(unitDistance),
-    reinterpret_cast<char*>(&distanceBits));
-  const void* colorObject = gray ? static_cast<void*>(gray) : static_cast<void*>(color);
-  const std::array<std::uint64_t, 11> key = { bits(opacity), opacity->GetMTime(), bits(colorObject),
-    gray ? gray->GetMTime() : color->GetMTime(), this->Volume.version, distanceBits, time,
-    vtkChiShadingInput::GetGradientOpacityTime(property),
-    vtkChiShadingInput::GetPlaneTime(property), bits(second), second ? second->GetMTime() : 0 };
-  if (key == this->TransferKey && !this->Opacities.empty())
+  if (count == 1)
   {
     this->AddPlaneLimit();
-    return true;
   }
-
-  this->ChooseTableRange(property);
-  const int count = static_cast<int>(this->Transfer.count);
-  const double* range = this->Transfer.range;
-  std::vector<float> opacities(this->Transfer.count);
-  std::vector<float> colors(3 * this->Transfer.count);
-  opacity->GetTable(range[0], range[1], count, opacities.data());
-  if (gray)
+  this->Components = {};
+  this->Components.struct_size = sizeof(chi_components);
+  this->Components.count = count;
+  this->Components.dependent = dependent ? 1 : 0;
+  this->Components.weight[0] = property->GetComponentWeight(0);
+  for (int k = 1; k < count; ++k)
   {
-    std::vector<float> values(this->Transfer.count);
-    gray->GetTable(range[0], range[1], count, values.data());
-    for (std::size_t i = 0; i < colors.size(); ++i)
+    this->Components.weight[k] = property->GetComponentWeight(k);
+    if (dependent && count == 4)
     {
-      colors[i] = values[i / 3];
+      continue; // red, green and blue as they are
     }
+    vtkChiTransferInput& functions = this->Functions[static_cast<std::size_t>(k)];
+    const int component = dependent ? 0 : k;
+    functions.Collect(property, component, this->Samples, component, this->Volume.version, time);
+    this->Components.transfer[k - 1] = functions.GetTransfer();
+    limits.push_back(functions.GetLimit());
   }
-  else
-  {
-    color->GetTable(range[0], range[1], count, colors.data());
-    if (color->GetSize() == 1) // where a sample hits the only node, VTK's table says black
-    {
-      double node[6];
-      color->GetNodeValue(0, node);
-      for (std::size_t i = 0; i < colors.size(); ++i)
-      {
-        colors[i] = static_cast<float>(node[1 + i % 3]);
-      }
-    }
-  }
-  const auto clamp = [](float value)
-  { return std::isfinite(value) ? std::min(std::max(value, 0.0f), 1.0f) : 0.0f; };
-  std::transform(opacities.begin(), opacities.end(), opacities.begin(), clamp);
-  std::transform(colors.begin(), colors.end(), colors.begin(), clamp);
-
-  this->Opacities = std::move(opacities);
-  this->Colors = std::move(colors);
-  this->Transfer.struct_size = sizeof(chi_transfer_view);
-  this->Transfer.rgb = this->Colors.data();
-  this->Transfer.opacity = this->Opacities.data();
-  this->Transfer.unit_distance = unitDistance;
-  this->Shading.CollectGradientOpacity(property, this->Samples, &this->Transfer);
-  this->Shading.CollectPlane(property, this->Samples, second, &this->Transfer);
-  this->AddPlaneLimit();
-  ++this->Transfer.version;
-  this->TransferKey = key;
+  std::copy_if(limits.begin(), limits.end(), std::back_inserter(this->Limits),
+    [](const std::string& limit) { return !limit.empty(); });
   return true;
 }
 

@@ -4,7 +4,9 @@
 #define vtkChiVolumeInput_h
 
 #include "vtkChiShadingInput.h"
+#include "vtkChiTransferInput.h"
 
+#include <chiaroscuro/chi_components.h>
 #include <chiaroscuro/chi_transfer.h>
 #include <chiaroscuro/chi_volume.h>
 
@@ -36,6 +38,11 @@ public:
 
   const chi_volume_view* GetVolume() const { return &this->Volume; }
   const chi_transfer_view* GetTransfer() const { return &this->Transfer; }
+  // Null: one component is drawn.
+  const chi_components* GetComponents() const
+  {
+    return this->Components.count > 1 ? &this->Components : nullptr;
+  }
   vtkChiShadingInput* GetShading() { return &this->Shading; }
   // The array along the y axis of a two-dimensional transfer function; empty for the gradient.
   void SetSecondArray(const char* name) { this->SecondName = name ? name : ""; }
@@ -54,7 +61,7 @@ private:
   void AddPlaneLimit();
   bool CollectClips(vtkAbstractVolumeMapper* mapper, vtkVolume* volume, const double* world);
   void AddClip(const double plane[4], const double* toWorld, const double* world);
-  void ChooseTableRange(vtkVolumeProperty* property);
+  int CountComponents(vtkVolumeProperty* property);
   vtkImageData* Resample(vtkAbstractVolumeMapper* mapper, vtkRectilinearGrid* grid, int scalarMode);
   vtkDataArray* Find(
     vtkAbstractVolumeMapper* mapper, vtkDataSet* data, int scalarMode, int& isCell);
@@ -69,9 +76,9 @@ private:
   vtkSmartPointer<vtkDataArray> Scalars; // as found
   vtkSmartPointer<vtkDataArray> Samples; // as handed to the core: the same, or a plain copy
   std::array<std::uint64_t, 4> SamplesKey = {};
-  std::array<std::uint64_t, 11> TransferKey = {};
-  std::vector<float> Colors;
-  std::vector<float> Opacities;
+  std::array<vtkChiTransferInput, CHI_MAX_COMPONENTS> Functions; // of the first, or the opacity's
+  chi_components Components = {};
+  std::array<std::uint64_t, 5> ShadingKey = {};
   vtkChiShadingInput Shading;
   std::string SecondName;
 

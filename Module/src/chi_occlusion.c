@@ -1,5 +1,6 @@
 /* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include "chi_components_internal.h"
 #include "chi_mask_internal.h"
 #include "chi_occlusion_describe.h"
 
@@ -14,6 +15,7 @@ typedef struct volume_key
   uint64_t version;
   size_t stride, dimensions[3];
   int64_t type, interpolation;
+  int64_t components, dependent;
 } volume_key;
 
 typedef struct mask_key
@@ -55,6 +57,7 @@ typedef struct frame_key
   double lights[11]; /* directions, the second one's cone and share, attenuation */
   chi_shading_key shading;
   int64_t integers[17];
+  int64_t color_integration;
 } frame_key;
 
 struct chi_occlusion
@@ -62,6 +65,8 @@ struct chi_occlusion
   chi_bricks bricks;
   chi_mask mask;
   chi_classification classification;
+  chi_component_set components;
+  chi_component_key component_key;
   chi_march march;
   chi_reduction reduction;
   chi_buffer rgba, visibility;
@@ -123,6 +128,7 @@ void chi_occlusion_destroy(const chi_exec* exec, chi_occlusion* occlusion)
   chi_bricks_free(exec, &occlusion->bricks);
   chi_mask_free(exec, &occlusion->mask);
   chi_classification_free(exec, &occlusion->classification);
+  chi_components_free(exec, &occlusion->components);
   chi_march_free(exec, &occlusion->march);
   chi_reduction_free(exec, &occlusion->reduction);
   chi_buffer_free(exec, &occlusion->rgba);
@@ -175,7 +181,7 @@ static chi_status check_volume(const chi_volume_view* v)
   return v->stride > SIZE_MAX / samples ? CHI_ERROR_TOO_LARGE : CHI_OK;
 }
 
-static int transfer_is_valid(const chi_transfer_view* t)
+int chi_transfer_is_valid(const chi_transfer_view* t)
 {
   return t &&
     (t->plane ? chi_transfer_plane_is_valid(t) && t->table_count <= 1
@@ -219,7 +225,8 @@ static int params_are_valid(const chi_occlusion_params* p)
     p->vicinity_samples <= CHI_MAX_VICINITY_SAMPLES && p->vicinity_distance >= 0 &&
     isfinite(p->vicinity_distance) && p->vicinity_bias >= 0 && isfinite(p->vicinity_bias) &&
     p->skip >= 0 && p->reduction >= 0 && p->reduction <= 4 &&
-    (p->coarsening == 0 || (p->coarsening >= 1 && p->coarsening <= 64));
+    (p->coarsening == 0 || (p->coarsening >= 1 && p->coarsening <= 64)) &&
+    (p->color_integration == CHI_COLOR_PREINTEGRATED || p->color_integration == CHI_COLOR_MIDDLE);
 }
 
 static int surface_is_valid(const chi_surface_view* s)
@@ -230,7 +237,7 @@ static int surface_is_valid(const chi_surface_view* s)
 static chi_status check_frame(const chi_occlusion_frame* frame)
 {
   if (!frame || !camera_is_valid(frame->camera) || !params_are_valid(frame->params) ||
-    (frame->volume && !transfer_is_valid(frame->transfer)) || !surface_is_valid(frame->surface) ||
+    (frame->volume && !chi_transfer_is_valid(frame->transfer)) || !surface_is_valid(frame->surface) ||
     !chi_layers_are_valid(frame->layers) || !chi_shading_is_valid(frame->shading) ||
     frame->clip_plane_count > CHI_MAX_CLIP_PLANES ||
     (frame->clip_plane_count &&
@@ -361,6 +368,7 @@ static frame_key key_of_frame(const chi_occlusion_frame* frame)
     (int64_t)frame->clip_plane_count, frame->layers ? frame->layers->count : 0,
     frame->crop ? (int64_t)frame->crop->regions : -1, p->reduction };
   memcpy(key.integers, integers, sizeof integers);
+  key.color_integration = p->color_integration;
   return key;
 }
 
@@ -412,7 +420,11 @@ static chi_status prepare_volume(
   const chi_exec* exec, chi_occlusion* o, const chi_occlusion_frame* frame, const chi_scene* scene)
 {
   const double t0 = chi_seconds();
-  const volume_key volume = key_of_volume(frame->volume);
+  const chi_component_key components = chi_components_key(frame->components);
+  const chi_volume_view own = chi_component_view(frame->volume, frame->components, 0);
+  volume_key volume = key_of_volume(&own);
+  volume.components = components.count;
+  volume.dependent = components.dependent;
   chi_status status = CHI_OK;
   const int reuse = chi_skip_kinds(frame->params) & CHI_SKIP_UNCHANGED;
   o->stats.reused_bricks =
@@ -421,7 +433,10 @@ static chi_status prepare_volume(
   {
     o->has_bricks = o->has_classification = o->has_frame = o->has_plan = 0;
     ++o->versions[1];
-    status = chi_bricks_build(exec, &o->bricks, frame->volume);
+    status = chi_bricks_build(exec, &o->bricks, &own);
+    status = status == CHI_OK
+      ? chi_components_build(exec, &o->components, frame->volume, frame->components)
+      : status;
     o->volume = volume;
     o->has_bricks = status == CHI_OK;
   }
@@ -438,22 +453,28 @@ static chi_status prepare_volume(
   }
   const transfer_key transfer = key_of_transfer(frame->transfer, reach);
   o->stats.reused_classification = reuse && status == CHI_OK && o->has_classification &&
-    memcmp(&transfer, &o->transfer, sizeof transfer) == 0;
+    memcmp(&transfer, &o->transfer, sizeof transfer) == 0 &&
+    memcmp(&components, &o->component_key, sizeof components) == 0;
   if (status == CHI_OK && !o->stats.reused_classification)
   {
     o->has_classification = o->has_frame = o->has_plan = 0;
     ++o->versions[2];
     status = chi_classify_transfer(
       exec, &o->classification, &o->bricks, frame->transfer, (int)transfer.dilate);
+    status = status == CHI_OK ? chi_components_classify(exec, &o->components, &o->classification,
+                                  &o->bricks, frame->components, (int)transfer.dilate)
+                              : status;
     if (status == CHI_OK)
     {
       chi_mask_apply(o->classification.mask, &o->bricks, &o->classification);
     }
     o->transfer = transfer;
+    o->component_key = components;
     o->has_classification = status == CHI_OK;
   }
   o->stats.seconds_classification = chi_seconds() - t1;
-  o->stats.non_finite_samples = o->bricks.non_finite;
+  o->stats.non_finite_samples =
+    o->bricks.non_finite + (frame->components ? o->components.non_finite : 0);
   o->stats.occupied_bricks = o->classification.occupied_bricks;
   o->stats.bricks = (int64_t)(o->bricks.count[0] * o->bricks.count[1] * o->bricks.count[2]);
   return status;
@@ -527,6 +548,7 @@ chi_status chi_occlusion_render(
   chi_march_result result = { 0 };
   if (status == CHI_OK)
   {
+    o->march.components = &o->components;
     chi_buffer* const rgba = reduction > 1 ? &o->reduction.rgba : &o->rgba;
     chi_buffer* const visibility = reduction > 1 ? &o->reduction.visibility : &o->visibility;
     status = chi_march_run(exec, &o->march, &scene, &o->bricks, &o->classification, drawn,

@@ -86,7 +86,7 @@ uint64_t chi_occlusion_features(const chi_occlusion_frame* frame)
   const chi_transfer_view no_transfer = { 0 };
   const chi_surface_view no_surface = { 0 };
   int other = tail_differs(frame->params, &params,
-                CHI_BEYOND(chi_occlusion_params, reserved_too), sizeof params) ||
+                CHI_BEYOND(chi_occlusion_params, color_integration), sizeof params) ||
     tail_differs(frame, &no_frame, CHI_BEYOND(chi_occlusion_frame, layers), sizeof *frame);
   if (frame->volume)
   {

@@ -81,6 +81,7 @@ typedef struct chi_classification
 {
   chi_buffer sigma; /* chi_sigma_entry [entries] */
   chi_buffer rgba;  /* float [entries][4] */
+  chi_buffer colors; /* chi_color_entry [entries] */
   size_t entries; /* of all tables */
   size_t tables, table_entries;
   float quantum, base, scale, offset; /* see chi_sample_frame */
@@ -117,6 +118,10 @@ static inline int64_t chi_classification_count(const chi_classification* c,
 {
   return chi_bricks_count(bricks, (const int32_t*)c->sums.data, low, high, all);
 }
+
+/* Table entries that a segment may cross before the colour of its middle is wrong by more than half
+ * a step of 8 bits; INFINITY: any number. `length` is the longest a segment gets, world units. */
+float chi_classification_color_step(const chi_classification* classification, double length);
 
 /* A soft light: the cone about an axis, in view coordinates. */
 typedef struct chi_light
@@ -302,10 +307,12 @@ typedef struct chi_march_result
 } chi_march_result;
 
 /* Buffers of the march, kept between frames. */
+struct chi_component_set;
 typedef struct chi_march
 {
   float* crossing;    /* NULL, or [height][width]: depths where the transmittance gets down to ... */
   float crossing_transmittance;
+  const struct chi_component_set* components; /* with frame->components */
   chi_buffer planes; /* float, picture-sized state; see chi_occlusion_march.c */
   chi_buffer cells, last_slab, live, live_row, sampled, done, order, reach, steps, ranges, scratch;
   chi_buffer layers, layer_flags; /* see chi_layers.c */

@@ -96,6 +96,8 @@ typedef struct march
   chi_shade_frame shade;
   const chi_bricks* bricks;
   const chi_classification* classification;
+  chi_sample_frame more[CHI_MAX_COMPONENTS - 1];
+  chi_component_frame component_frame;
   float* planes;  /* [PICTURE_PLANES][rows][stride] */
   float* scratch; /* [LIGHT_PLANES][light rows][light_stride] */
   float* tint;    /* [TINT_PLANES][rows][stride]; NULL with one channel */

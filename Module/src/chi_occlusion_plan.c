@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Layout, buffers and order of a frame's march. */
 
+#include "chi_components_internal.h"
 #include "chi_occlusion_march.h"
 
 #include <math.h>
@@ -279,6 +280,14 @@ static void clear_rows(void* data, size_t begin, size_t end)
   }
 }
 
+/* Length of the picture's longest ray over a unit of depth. */
+static double longest_ray(const chi_scene* s)
+{
+  const double x = fmax(fabs(s->slope_x), fabs(s->slope_x + (s->width - 1) * s->slope_dx));
+  const double y = fmax(fabs(s->slope_y), fabs(s->slope_y + (s->height - 1) * s->slope_dy));
+  return sqrt(1 + x * x + y * y);
+}
+
 static chi_status set_sample_frame(march* m)
 {
   chi_sample_frame* const f = &m->sample;
@@ -316,6 +325,10 @@ static chi_status set_sample_frame(march* m)
   f->labels = c->mask ? c->mask->labels : NULL;
   f->sigma = (const chi_sigma_entry*)c->sigma.data;
   f->rgba = (const float(*)[4])c->rgba.data;
+  f->colors = (const chi_color_entry*)c->colors.data;
+  f->color_step = m->frame->params->color_integration == CHI_COLOR_MIDDLE || c->tables > 1
+    ? INFINITY
+    : chi_classification_color_step(c, m->scene->slice * longest_ray(m->scene));
   f->quantum = c->quantum;
   f->occupied = (const uint8_t*)c->occupied.data;
   f->brick_step_y = (int32_t)b->count[0];
@@ -345,6 +358,14 @@ static chi_status set_sample_frame(march* m)
   m->second.scalars = m->frame->transfer->y_samples;
   m->second.fetch = CHI_FETCH_F32;
   m->shade.second = m->frame->transfer->plane && m->second.scalars ? &m->second : NULL;
+  f->components = NULL;
+  if (m->frame->components)
+  {
+    chi_components_frame(m->keep->components, m->frame->components, (int)m->frame->volume->type, f,
+      m->more, &m->component_frame);
+    f->components = &m->component_frame;
+    f->general = 1;
+  }
   return CHI_OK;
 }
 

@@ -214,11 +214,10 @@ static void count_non_finite(void* data, size_t begin, size_t end)
   }
 }
 
-/* How the samples are fetched where they lie; -1: they are copied first. */
+/* How samples of the type are fetched; -1: as floats, if they are copied first. */
 static int fetch_of(const chi_volume_view* v, size_t samples)
 {
-  const size_t size = chi_type_size(v->type);
-  if (v->stride != size || samples * size < 4 || (uintptr_t)v->scalars % size != 0)
+  if (samples * chi_type_size(v->type) < 4)
   {
     return -1;
   }
@@ -235,6 +234,45 @@ static int fetch_of(const chi_volume_view* v, size_t samples)
     default:
       return -1;
   }
+}
+
+/* Components of interleaved samples, and samples at odd addresses, in their own type. */
+static void pack_layers(void* data, size_t begin, size_t end)
+{
+  const brick_job* const it = (const brick_job*)data;
+  const chi_volume_view* const v = it->volume;
+  const size_t layer = v->dimensions[0] * v->dimensions[1], size = chi_type_size(v->type);
+  for (size_t k = begin; k < end && !chi_is_cancelled(it->exec); ++k)
+  {
+    const char* from = (const char*)v->scalars + k * layer * v->stride;
+    char* to = (char*)it->bricks->copy.data + k * layer * size;
+    for (size_t i = 0; i < layer; ++i, from += v->stride, to += size)
+    {
+      switch (size)
+      {
+        case 1:
+          *to = *from;
+          break;
+        case 2:
+          memcpy(to, from, 2);
+          break;
+        default:
+          memcpy(to, from, 4);
+          break;
+      }
+    }
+  }
+}
+
+static chi_status pack_samples(brick_job* job, size_t samples)
+{
+  chi_bricks* const b = job->bricks;
+  if (!chi_buffer_reserve(job->exec, &b->copy, samples, chi_type_size(job->volume->type)))
+  {
+    return CHI_ERROR_OUT_OF_MEMORY;
+  }
+  b->scalars = b->copy.data;
+  return chi_for(job->exec, b->dimensions[2], pack_layers, job);
 }
 
 static chi_status copy_samples(brick_job* job, size_t samples)
@@ -289,9 +327,14 @@ chi_status chi_bricks_build(const chi_exec* exec, chi_bricks* b, const chi_volum
     b->copy_offset = 0;
     b->scalars = volume->scalars;
     b->fetch = fetch_of(volume, samples);
+    const size_t size = chi_type_size(volume->type);
     if (b->fetch < 0)
     {
       status = copy_samples(&job, samples);
+    }
+    else if (volume->stride != size || (uintptr_t)volume->scalars % size != 0)
+    {
+      status = pack_samples(&job, samples);
     }
   }
   b->nearest = volume->interpolation == CHI_NEAREST;

@@ -16,7 +16,21 @@ uniform int rewriteSurface; // replace the geometry's pixels instead of darkenin
 uniform int coloredVisibility; // it has three components
 uniform int stage; // 0: blending as above; 1: write what the frame buffer's colours are to be
                    // multiplied by, each on its own; 2: what is to be added to them
+uniform int dither; // add a pattern within half a step of 8 bits
 in vec2 texCoord;           // 0 to 1 over the viewport
+
+// Threshold of a pixel in 0 ... 63 of the 8 x 8 matrix of Bayer 1973: the bits of x ^ y and y, taken
+// in turns from the lowest.
+int bayer(ivec2 at)
+{
+  int mixed = (at.x ^ at.y) & 7;
+  int sum = 0;
+  for (int bit = 0; bit < 3; ++bit)
+  {
+    sum = 4 * sum + 2 * ((mixed >> bit) & 1) + ((at.y >> bit) & 1);
+  }
+  return sum;
+}
 
 void main()
 {
@@ -42,6 +56,11 @@ void main()
     {
       keep *= visibility;
     }
+  }
+  // only where something is drawn; the frame buffer rounds what it has and what is added together
+  if (dither != 0 && (layer.a > 0.0 || any(lessThan(keep, vec3(1.0)))))
+  {
+    layer.rgb += (float(bayer(pixel)) - 31.5) / (64.0 * 255.0);
   }
   float through = coloredVisibility != 0 ? (keep.r + keep.g + keep.b) / 3.0 : keep.r;
   gl_FragData[0] = stage == 1 ? vec4(keep, through) : vec4(layer.rgb, 1.0 - through);

@@ -238,18 +238,6 @@ class Input(unittest.TestCase):
         self.assertEqual(only[..., 3].max(), 0.0)
         self.assertTrue(np.isfinite(only).all())
 
-    def test_several_components_draw_the_first(self):
-        values = lopsided()
-        expected, _, _ = picture(image(values, SPACING))
-        data = image(values, SPACING)
-        pairs = np.stack([values.ravel(), 1.0 - values.ravel()], axis=1)
-        data.GetPointData().SetScalars(numpy_to_vtk(pairs, deep=True))
-        result, _, messages = picture(data)
-        self.assertEqual(len(messages.warnings), 1)
-        self.assertIn("components", messages.warnings[0])
-        # interleaved samples go another way into the engine: roundings of float
-        self.assertLessEqual(np.abs(result - expected).max(), 1e-4)
-
     def test_a_rectilinear_grid_is_resampled_and_says_so(self):
         values = lopsided()
         expected, _, _ = picture(image(values, SPACING))

@@ -11,6 +11,7 @@
  */
 
 #include "chi_camera.h"
+#include "chi_components.h"
 #include "chi_mask.h"
 #include "chi_shading.h"
 #include "chi_surface.h"
@@ -74,6 +75,13 @@ enum
   CHI_SKIP_KINDS = 16             /**< length of chi_occlusion_stats.skipped */
 };
 
+/** Colour of the segment of a ray between two slices. */
+enum
+{
+  CHI_COLOR_PREINTEGRATED = 0, /**< what the eye gets of the transfer function between both scalars */
+  CHI_COLOR_MIDDLE = 1         /**< that of the middle scalar */
+};
+
 typedef struct chi_occlusion_params
 {
   size_t struct_size;
@@ -121,7 +129,8 @@ typedef struct chi_occlusion_params
    * buffers for each factor that differs. Probes read the red light. */
   double attenuation[3];
   int32_t colored_attenuation;
-  int32_t reserved_too;
+  int32_t color_integration; /**< CHI_COLOR_...; default pre-integrated. Extinction is pre-integrated
+                                  with either */
   double coarsening; /**< slices so many times as far apart as sample_distance or a voxel says, 1
                         ... 64; 0 = 1 (default) */
 } chi_occlusion_params;
@@ -154,6 +163,7 @@ typedef struct chi_occlusion_frame
   const chi_crop_view* crop; /**< NULL: no regions are cropped; applies besides the clip planes */
   const chi_shading_view* shading; /**< NULL: the table's colours as they are */
   const chi_mask_view* mask; /**< NULL: nothing is masked */
+  const chi_components* components; /**< NULL: one component */
 } chi_occlusion_frame;
 
 /** The last picture, owned by the handle, valid until its next call. Row 0 is the lowest. */

@@ -101,6 +101,24 @@ typedef struct chi_shade_frame
   chi_kernel_light light[CHI_MAX_LIGHTS];
 } chi_shade_frame;
 
+/* The interval from one entry to the next: extinction-weighted colour, so that its integral from 0
+ * to i + f is quantum * sum + rgb * f * (sigma + f * half_slope). */
+typedef struct chi_color_entry
+{
+  int32_t sum[4]; /* fixed point, in the quantum of the extinction's sums; the fourth is unused */
+  float rgb[4];   /* mean colour of the interval, weighted by extinction */
+} chi_color_entry;
+
+struct chi_sample_frame;
+
+/* The components besides the row's own. */
+typedef struct chi_component_frame
+{
+  int dependent, count;
+  float weight[4]; /* of independent ones, the row's own first */
+  const struct chi_sample_frame* more;
+} chi_component_frame;
+
 /* What all rows of a frame share when they sample. */
 typedef struct chi_sample_frame
 {
@@ -121,6 +139,8 @@ typedef struct chi_sample_frame
   int32_t table_entries;     /* of one table */
   const chi_sigma_entry* sigma;
   const float (*rgba)[4];
+  const chi_color_entry* colors;
+  float color_step; /* table entries a segment may cross before its middle's colour is too coarse */
   float quantum;
   const uint8_t* occupied; /* bricks of 8^3 cells, padded by four bytes */
   int32_t brick_step_y, brick_step_z;
@@ -128,6 +148,7 @@ typedef struct chi_sample_frame
   float slice;                  /* world distance between slices */
   float saturated;              /* transmittance below which a ray is done */
   const chi_shade_frame* shade; /* NULL: no gradients are needed; else `general` is set */
+  const chi_component_frame* components; /* NULL: one */
 } chi_sample_frame;
 
 /* Why samples inside the box were not taken. */
