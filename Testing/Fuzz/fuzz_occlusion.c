@@ -4,9 +4,7 @@
 /* Small frames of any volume, surface, camera and parameters: refused where the header says so,
  * else a picture of premultiplied colours and visibilities between 0 and 1. */
 
-#include "fuzz.h"
-
-#include <chiaroscuro/chi_occlusion.h>
+#include "fuzz_occlusion_features.h"
 
 static void fuzz_matrix(fuzz* f, double* m, int rigid)
 {
@@ -126,6 +124,12 @@ static chi_occlusion_params fuzz_params(fuzz* f)
   p.skip = fuzz_byte(f) & 1 ? CHI_SKIP_ALL : (int32_t)fuzz_upto(f, CHI_SKIP_EVERY_KIND);
   p.reduction = fuzz_once_in(f, 4) ? (int32_t)fuzz_upto(f, 5) : 0;
   p.coarsening = fuzz_once_in(f, 4) ? fuzz_mostly(f, 1 + (double)fuzz_byte(f) / 64) : 0;
+  p.combine = (int32_t)fuzz_upto(f, fuzz_once_in(f, 64) ? 5 : 1);
+  p.geometry_opacity = fuzz_mostly(f, (double)fuzz_byte(f) / 255);
+  p.vicinity_samples = (int32_t)fuzz_upto(f, fuzz_once_in(f, 64) ? 200 : 40);
+  p.vicinity_distance = fuzz_mostly(f, (double)fuzz_byte(f) / 64);
+  p.vicinity_bias = fuzz_mostly(f, (double)fuzz_byte(f) / 256);
+  fuzz_lights(f, &p);
   return p;
 }
 
@@ -154,7 +158,8 @@ static void render(fuzz* f, chi_occlusion* o)
 {
   const chi_camera camera = fuzz_camera(f);
   const chi_volume_view volume = fuzz_volume(f);
-  const chi_transfer_view transfer = fuzz_transfer(f);
+  chi_transfer_view transfer = fuzz_transfer(f);
+  fuzz_add_tables(f, &transfer, &volume);
   const chi_occlusion_params params = fuzz_params(f);
   const int32_t w = camera.width, h = camera.height;
   const int small = w > 0 && h > 0 && w < 4096 && h < 4096;
@@ -178,13 +183,15 @@ static void render(fuzz* f, chi_occlusion* o)
       i % 3 == 2 ? fuzz_mostly(f, 12 + fuzz_unit(f)) : fuzz_mostly(f, (double)fuzz_byte(f) / 8);
   }
   const chi_occlusion_probes probes = { position, visibility, fuzz_upto(f, 8) };
-  const chi_occlusion_frame frame = { .struct_size = fuzz_size(f, sizeof frame),
+  chi_occlusion_frame frame = { .struct_size = fuzz_size(f, sizeof frame),
     .camera = &camera,
     .volume = fuzz_once_in(f, 8) ? NULL : &volume,
     .transfer = fuzz_once_in(f, 32) ? NULL : &transfer,
     .surface = small && fuzz_byte(f) & 1 ? &surface : NULL,
     .params = &params,
     .probes = fuzz_byte(f) & 1 ? &probes : NULL };
+  fuzz_features features;
+  fuzz_add_features(f, &features, &frame, &volume, &transfer, pixels);
   /* a frame of very many slices is honest, but ends here */
   const chi_exec exec = fuzz_host(f, 20000);
   const chi_status status = chi_occlusion_render(&exec, o, &frame);
