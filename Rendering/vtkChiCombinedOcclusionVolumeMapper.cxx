@@ -470,8 +470,9 @@ void vtkChiCombinedOcclusionVolumeMapper::Surface(vtkRenderer* renderer)
     this->SayOnce("geometry cannot be multisampled where the renderer has a render pass, shadows, "
                   "screen-space occlusion or hidden line removal: its edges are as VTK draws them");
   }
-  // a vtkChiCombinedOcclusionPass has drawn it already, the same
-  const bool can = samples && geometry->IsHiding();
+  // A vtkChiCombinedOcclusionPass has drawn it already, the same. A reduced picture has no place
+  // for what covers a pixel in part: then geometry has one sample a pixel.
+  const bool can = samples && geometry->IsHiding() && in.Params.reduction <= 1;
   geometry->Update(renderer, in.Camera, in.Viewport[2], in.Viewport[3], can);
   if (in.First)
   {
