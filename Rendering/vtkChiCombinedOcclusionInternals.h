@@ -8,6 +8,7 @@
 #include "vtkChiCompositor.h"
 #include "vtkChiLabelInput.h"
 #include "vtkChiMaskInput.h"
+#include "vtkChiOcclusionEngine.h"
 #include "vtkChiOcclusionFrame.h"
 #include "vtkChiQuality.h"
 #include "vtkChiSelection.h"
@@ -48,8 +49,8 @@ struct vtkChiCombinedOcclusionVolumeMapper::Internals
   vtkWeakPointer<vtkChiOcclusionFrame> Frame;
   vtkWeakPointer<vtkRenderWindow> Window;
   vtkWeakPointer<vtkRenderer> Scene;
-  chi_occlusion* Renderer = nullptr;
-  chi_occlusion_image Image = {};
+  vtkChiOcclusionEngine Engine;
+  chi_occlusion_image Image = {}; // without floats while it lies in textures: see ReadImage
   chi_occlusion_stats Stats = {};
 
   vtkChiCompositor Compositor;
@@ -86,6 +87,16 @@ struct vtkChiCombinedOcclusionVolumeMapper::Internals
       ? this->Input.GetShading()->GetShading()
       : nullptr;
     return frame;
+  }
+
+  // Has the floats of Image, where there is a picture and its window still exists.
+  bool ReadImage()
+  {
+    if (this->Image.width > 0 && !this->Image.rgba && this->Engine.ReadImage())
+    {
+      this->Image = this->Engine.GetImage();
+    }
+    return this->Image.rgba != nullptr;
   }
 };
 

@@ -36,6 +36,7 @@ bool vtkChiCombinedOcclusionVolumeMapper::GetVisibilityImage(vtkImageData* image
     vtkErrorMacro("GetVisibilityImage needs a vtkImageData to write into.");
     return false;
   }
+  this->Internal->ReadImage();
   const chi_occlusion_image& from = this->Internal->Image;
   const bool colored = from.visibility_rgb != nullptr;
   vtkFloatArray* values = allocateImage(image, from.visibility ? from.width : 0,
@@ -58,6 +59,10 @@ bool vtkChiCombinedOcclusionVolumeMapper::GetFloatImage(vtkImageData* image)
     return false;
   }
   Internals& in = *this->Internal;
+  if (!in.ReadImage() && in.Image.width > 0)
+  {
+    vtkErrorMacro("GetFloatImage cannot read the picture: its window is gone.");
+  }
   const chi_occlusion_image& from = in.Image;
   vtkFloatArray* values =
     allocateImage(image, from.rgba ? from.width : 0, from.rgba ? from.height : 0, 4, "RGBA");
@@ -228,6 +233,18 @@ double vtkChiCombinedOcclusionVolumeMapper::GetSecondsSlices()
 {
   return this->Internal->Stats.seconds_slices;
 }
+int vtkChiCombinedOcclusionVolumeMapper::GetEngineInUse()
+{
+  return this->Internal->Engine.GetInUse();
+}
+const char* vtkChiCombinedOcclusionVolumeMapper::GetEngineReason()
+{
+  return this->Internal->Engine.GetReason().c_str();
+}
+bool vtkChiCombinedOcclusionVolumeMapper::IsSoftwareRenderer(const char* renderer)
+{
+  return renderer && vtkChiOcclusionGL::IsSoftware(renderer);
+}
 double vtkChiCombinedOcclusionVolumeMapper::GetSecondsEngine()
 {
   return this->Internal->Stats.seconds_total;
@@ -304,6 +321,8 @@ void vtkChiCombinedOcclusionVolumeMapper::PrintSelf(ostream& os, vtkIndent inden
   os << indent << "AttenuationColor: " << this->AttenuationColor[0] << " "
      << this->AttenuationColor[1] << " " << this->AttenuationColor[2] << "\n";
   os << indent << "Engine: " << this->Engine << "\n";
+  os << indent << "LightPrecision: " << (this->LightPrecision == HALF_FLOAT ? "Half" : "Single")
+     << "\n";
   os << indent << "VolumeToVolume: " << this->VolumeToVolume << "\n";
   os << indent << "VolumeToGeometry: " << this->VolumeToGeometry << "\n";
   os << indent << "GeometryToVolume: " << this->GeometryToVolume << "\n";

@@ -111,7 +111,6 @@ vtkChiCombinedOcclusionVolumeMapper::vtkChiCombinedOcclusionVolumeMapper()
 //------------------------------------------------------------------------------
 vtkChiCombinedOcclusionVolumeMapper::~vtkChiCombinedOcclusionVolumeMapper()
 {
-  chi_occlusion_destroy(nullptr, this->Internal->Renderer);
   this->SetTransfer2DYAxisArray(nullptr);
 }
 
@@ -338,10 +337,6 @@ void vtkChiCombinedOcclusionVolumeMapper::CollectUnsupported(vtkVolume* volume)
 //------------------------------------------------------------------------------
 void vtkChiCombinedOcclusionVolumeMapper::CollectParameters()
 {
-  if (this->Engine == ENGINE_OPENGL && this->Internal->Warnings.insert("OpenGL").second)
-  {
-    vtkErrorMacro("the OpenGL engine is not there yet: the CPU engine renders");
-  }
   Internals& in = *this->Internal;
   chi_occlusion_params& params = in.Params;
   chi_occlusion_default_params(&params);
@@ -430,11 +425,12 @@ void vtkChiCombinedOcclusionVolumeMapper::RenderSelection(vtkRenderer* renderer,
     chi_occlusion_frame frame = in.MakeFrame();
     frame.surface = nullptr; // the selector's own depth buffer says what lies in front
     const chi_status status =
-      chi_occlusion_find_depth(exec.Get(), in.Renderer, &frame, this->SelectionOpacity,
+      chi_occlusion_find_depth(exec.Get(), in.Engine.GetCore(), &frame, this->SelectionOpacity,
         in.Selection.Allocate(volume, in.Camera, in.Viewport[2], in.Viewport[3]));
-    if (image.rgba)
+    if (image.rgba && in.Engine.GetInUse() == ENGINE_CPU)
     {
-      chi_occlusion_get_image(in.Renderer, &in.Image); // stands, unless the volume has changed
+      chi_occlusion_get_image(
+        in.Engine.GetCore(), &in.Image); // stands, unless the volume has changed
     }
     if (status != CHI_OK)
     {
@@ -496,15 +492,12 @@ void vtkChiCombinedOcclusionVolumeMapper::Surface(vtkRenderer* renderer)
 bool vtkChiCombinedOcclusionVolumeMapper::PrepareEngine()
 {
   Internals& in = *this->Internal;
-  if (!in.Renderer)
+  const vtkChiExec exec(nullptr);
+  const chi_status created = in.Engine.Prepare(exec.Get());
+  if (created != CHI_OK)
   {
-    const vtkChiExec exec(nullptr);
-    const chi_status created = chi_occlusion_create(exec.Get(), &in.Renderer);
-    if (created != CHI_OK)
-    {
-      this->SayOnce(chi_status_string(created), true);
-      return false;
-    }
+    this->SayOnce(chi_status_string(created), true);
+    return false;
   }
   return true;
 }
@@ -532,9 +525,15 @@ bool vtkChiCombinedOcclusionVolumeMapper::RenderEngine()
   whole.end = whole.edge_depth = whole.edge_rgba = nullptr;
   frame.surface = surface && !in.First ? &whole : surface;
   frame.layers = layers;
-  const chi_status status = chi_occlusion_render(exec.Get(), in.Renderer, &frame);
-  in.Stats.struct_size = sizeof(in.Stats);
-  chi_occlusion_get_stats(in.Renderer, &in.Stats);
+  const chi_status status =
+    in.Engine.Render(exec.Get(), vtkOpenGLRenderWindow::SafeDownCast(in.Window), frame,
+      this->Engine, this->LightPrecision == HALF_FLOAT);
+  in.Stats = in.Engine.GetStats();
+  if (this->Engine == ENGINE_OPENGL && in.Engine.GetInUse() == ENGINE_CPU)
+  {
+    this->SayOnce(
+      ("the CPU engine draws in place of the OpenGL engine: " + in.Engine.GetReason()).c_str());
+  }
   if (status != CHI_OK)
   {
     std::string text = std::string("the occlusion engine gave up: ") + chi_status_string(status);
@@ -546,8 +545,8 @@ bool vtkChiCombinedOcclusionVolumeMapper::RenderEngine()
     this->SayOnce(text.c_str(), true);
     return false;
   }
-  chi_occlusion_get_image(in.Renderer, &in.Image);
-  return in.Image.rgba != nullptr;
+  in.Image = in.Engine.GetImage();
+  return in.Image.width > 0;
 }
 
 //------------------------------------------------------------------------------
@@ -556,6 +555,10 @@ void vtkChiCombinedOcclusionVolumeMapper::Composite(vtkRenderer* renderer, vtkVo
   Internals& in = *this->Internal;
   const double start = vtkTimerLog::GetUniversalTime();
   vtkChiGeometryBuffer* geometry = in.Frame->GetGeometry();
+  if (in.Shared)
+  {
+    in.ReadImage();
+  }
   in.Frame->AddLayer(
     volume, in.Camera.Get(), in.HasVolume ? in.Input.GetVolume() : nullptr, &in.Image, in.Shared);
   vtkChiCompositor::Picture picture;
@@ -564,6 +567,8 @@ void vtkChiCombinedOcclusionVolumeMapper::Composite(vtkRenderer* renderer, vtkVo
   picture.Rgba = in.Image.rgba;
   picture.Visibility = in.Image.visibility;
   picture.VisibilityRgb = in.Image.visibility_rgb;
+  picture.RgbaTexture = in.Engine.GetLayer();
+  picture.VisibilityTexture = in.Engine.GetVisibility();
   // merged pictures change with what lies in front and behind
   const bool merge = in.Shared && !in.First;
   picture.Unchanged = in.Stats.reused != 0 && !merge && !in.LastMerged;
@@ -574,6 +579,7 @@ void vtkChiCombinedOcclusionVolumeMapper::Composite(vtkRenderer* renderer, vtkVo
     geometry->ReadSpecular(vtkOpenGLRenderWindow::SafeDownCast(in.Window), specular);
     in.Frame->MergeLastLayer(in.Merged, specular);
     picture.Rgba = in.Merged.empty() ? in.Image.rgba : in.Merged.data();
+    picture.RgbaTexture = nullptr;
   }
   picture.Surface = geometry->GetView() ? geometry->GetColor() : nullptr;
   picture.Specular = merge && !in.Merged.empty() ? nullptr : geometry->GetSpecular();
@@ -597,16 +603,16 @@ void vtkChiCombinedOcclusionVolumeMapper::Report()
 {
   Internals& in = *this->Internal;
   in.UsedSampleDistance = in.HasVolume ? in.Stats.sample_distance : 0.0;
-  if (!in.Stats.reused && in.Image.rgba) // a picture drawn again says nothing of the next one
+  if (!in.Stats.reused && in.Image.width > 0) // a picture drawn again says nothing of the next one
   {
     this->TimeToDraw = in.SecondsTotal;
     in.Quality.Report(in.Stats.seconds_total, in.SecondsTotal);
   }
-  if (in.HasVolume && in.Image.rgba)
+  if (in.HasVolume && in.Image.width > 0)
   {
     in.Errors.clear();
   }
-  if (in.Image.rgba == nullptr)
+  if (in.Image.width == 0)
   {
     in.SecondsComposite = 0.0;
   }
@@ -628,6 +634,7 @@ void vtkChiCombinedOcclusionVolumeMapper::ReleaseGraphicsResources(vtkWindow* wi
   Internals& in = *this->Internal;
   in.Compositor.ReleaseGraphicsResources(window);
   in.Selection.ReleaseGraphicsResources(window);
+  in.Engine.ReleaseGraphicsResources(window);
   if (in.Frame && window) // vtkRenderer::SetRenderWindow says null before the first frame
   {
     in.Frame->GetGeometry()->ReleaseGraphicsResources(window);

@@ -75,7 +75,10 @@ vtkChiCompositor::~vtkChiCompositor()
 bool vtkChiCompositor::Draw(vtkRenderer* renderer, const Picture& picture)
 {
   vtkOpenGLRenderWindow* window = vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow());
-  this->Upload(window, picture);
+  if (!picture.RgbaTexture || !picture.VisibilityTexture)
+  {
+    this->Upload(window, picture);
+  }
 
   // While volumes are peeled a buffer of the peeling pass is bound for drawing; the frame buffer
   // that holds the opaque geometry is the one bound for reading.
@@ -166,7 +169,10 @@ void vtkChiCompositor::DrawQuad(vtkRenderer* renderer, const Picture& picture)
   state->vtkglDisable(GL_CULL_FACE);
 
   // a texture that is missing is declared in the shader, but not read
-  vtkTextureObject* textures[4] = { this->Layer, this->Visibility, picture.Surface,
+  const bool uploaded = !picture.RgbaTexture || !picture.VisibilityTexture;
+  vtkTextureObject* layer = uploaded ? this->Layer.Get() : picture.RgbaTexture;
+  vtkTextureObject* textures[4] = { layer,
+    uploaded ? this->Visibility.Get() : picture.VisibilityTexture, picture.Surface,
     picture.Surface ? picture.Specular : nullptr };
   const char* names[4] = { "layerTexture", "visibilityTexture", "surfaceTexture",
     "specularTexture" };
@@ -178,7 +184,7 @@ void vtkChiCompositor::DrawQuad(vtkRenderer* renderer, const Picture& picture)
     {
       texture->Activate();
     }
-    program->SetUniformi(names[i], (texture ? texture : this->Layer)->GetTextureUnit());
+    program->SetUniformi(names[i], (texture ? texture : layer)->GetTextureUnit());
   }
   program->SetUniformi("dither", picture.Dither ? 1 : 0);
   program->SetUniformi("hasSpecular", textures[3] ? 1 : 0);

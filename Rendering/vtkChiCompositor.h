@@ -25,6 +25,8 @@ public:
     const float* Rgba = nullptr;          // [height x width x 4] premultiplied
     const float* Visibility = nullptr;    // [height x width] of the opaque geometry
     const float* VisibilityRgb = nullptr; // [height x width x 3] in its place, where colours differ
+    vtkTextureObject* RgbaTexture = nullptr;       // the same where the picture lies in textures;
+    vtkTextureObject* VisibilityTexture = nullptr; // null: the floats are uploaded
     vtkTextureObject* Surface = nullptr;  // lit colours of the opaque geometry; null: there is none
     vtkTextureObject* Specular = nullptr; // part of these that occlusion does not take; null: none
     bool Unchanged = false;               // the same floats as in the last call

@@ -603,12 +603,20 @@ chi_status chi_occlusion_describe(const chi_exec* exec, chi_occlusion* o,
     return status;
   }
   o->stats = (chi_occlusion_stats){ .struct_size = sizeof o->stats };
+  for (int light = 0; light < scene.lights; ++light)
+  {
+    o->stats.moved_lights += scene.light[light].moved;
+  }
   if (frame->volume)
   {
     status = prepare_volume(exec, o, frame, &scene);
   }
   const frame_key key = key_of_frame(frame);
-  o->stats.reused = status == CHI_OK && o->has_plan && memcmp(&key, &o->planned, sizeof key) == 0;
+  const int64_t stages = o->stats.reused_bricks + o->stats.reused_classification;
+  o->stats.reused = status == CHI_OK && o->has_plan &&
+    (chi_skip_kinds(frame->params) & CHI_SKIP_UNCHANGED) &&
+    memcmp(&key, &o->planned, sizeof key) == 0;
+  o->stats.skipped[SKIPPED_UNCHANGED] = stages + o->stats.reused;
   if (status == CHI_OK && !o->stats.reused)
   {
     const double t1 = chi_seconds();
@@ -628,6 +636,7 @@ chi_status chi_occlusion_describe(const chi_exec* exec, chi_occlusion* o,
   }
   o->stats.slices = (scene.volume_end - scene.volume_begin) * scene.group;
   o->stats.light_slices = scene.slabs;
+  o->stats.sample_distance = scene.volume_end > scene.volume_begin ? scene.slice : 0;
   o->stats.seconds_total = chi_seconds() - t0;
   return status;
 }

@@ -56,6 +56,20 @@ static void fill_tile(float* out, size_t stride, int planes, int state)
   }
 }
 
+/* The enlargement reads one pixel beyond the picture on either side. */
+static void repeat_ends(const march* m, int k, float* seen)
+{
+  if (k == 0)
+  {
+    seen[-1] = seen[0];
+  }
+  if (k == m->segments - 1)
+  {
+    const int end = m->scene->light_width - k * CHI_SEGMENT;
+    seen[end] = seen[end - 1];
+  }
+}
+
 static void light_piece(march* m, chi_light_field* f, float factor, int64_t slab, int64_t y, int k,
   int needed, light_counts* counts)
 {
@@ -91,7 +105,7 @@ static void light_piece(march* m, chi_light_field* f, float factor, int64_t slab
     if (*seen_tile != source)
     {
       fill_tile(seen, m->light_stride, 1, source);
-      seen[-1] = k == 0 ? seen[0] : seen[-1];
+      repeat_ends(m, k, seen);
     }
     *target_tile = *seen_tile = (uint8_t)source;
     return;
@@ -100,10 +114,11 @@ static void light_piece(march* m, chi_light_field* f, float factor, int64_t slab
   if (has_tau)
   {
     const float axis[2] = { (float)s->light[0].slope[0], (float)s->light[0].slope[1] };
+    const int inside = s->light_width - x < CHI_SEGMENT ? s->light_width - x : CHI_SEGMENT;
     const double center = (x + 0.5) * s->scale - 0.5, row = ((double)y + 0.5) * s->scale - 0.5;
     m->kernels->path_lengths(s->published ? axis : s->tangent[0],
       s->published ? axis + 1 : s->tangent[1], planes, (float)(s->slope_x + center * s->slope_dx),
-      (float)(s->slope_y + row * s->slope_dy), (float)(s->slope_dx * s->scale), CHI_SEGMENT, length,
+      (float)(s->slope_y + row * s->slope_dy), (float)(s->slope_dx * s->scale), inside, length,
       length_x);
   }
   const float* const tau = s->scale == 1 ? tau_row(m, slab, y) : light_scratch(m, LIGHT_TAU, y);
@@ -122,10 +137,7 @@ static void light_piece(march* m, chi_light_field* f, float factor, int64_t slab
     .geometry = blocked ? geometry : NULL,
     .visibility = seen };
   (s->published ? m->kernels->blur : m->kernels->light)(&segment);
-  if (k == 0)
-  {
-    seen[-1] = seen[0]; /* the enlargement reads one pixel beyond the picture */
-  }
+  repeat_ends(m, k, seen);
   *target_tile = *seen_tile = TILE_MIXED;
   if (skips && is_dark(seen, m->dark_below))
   {

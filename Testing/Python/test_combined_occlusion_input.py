@@ -272,15 +272,6 @@ class Input(unittest.TestCase):
                 self.assertEqual(len(messages.warnings), 1, messages.warnings)
                 self.assertIn(cause, messages.warnings[0])
 
-    def test_the_engine_that_is_not_there_is_named(self):
-        expected, _, _ = picture(image(lopsided(), SPACING))
-        result, mapper, messages = picture(
-            image(lopsided(), SPACING), prepare=lambda _volume, mapper, _scene: mapper.SetEngineToOpenGL()
-        )
-        self.assertEqual(len(messages.errors), 1)
-        self.assertIn("OpenGL engine", messages.errors[0])
-        self.assertEqual(np.abs(result - expected).max(), 0.0)
-
     def test_setters_clamp(self):
         mapper = vtkChiCombinedOcclusionVolumeMapper()
         for name, low, high in (

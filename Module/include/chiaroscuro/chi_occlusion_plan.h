@@ -23,7 +23,15 @@ enum
   CHI_FEATURE_PUBLISHED = 1, /**< the published blur, one buffer for all directions */
   CHI_FEATURE_OTHER = 2,     /**< a parameter that the plan has no member for */
   CHI_FEATURE_LAYERS = 4,    /**< translucent geometry between the slices */
-  CHI_FEATURE_COLORED = 8    /**< coloured attenuation */
+  CHI_FEATURE_CROP = 8,      /**< cropping regions */
+  CHI_FEATURE_COLORED = 16,  /**< light that is attenuated by channel */
+  CHI_FEATURE_SHADING = 32,
+  CHI_FEATURE_GRADIENT_OPACITY = 64,
+  CHI_FEATURE_EDGES = 128,          /**< pixels that a surface covers in part */
+  CHI_FEATURE_TRANSFER_PLANE = 256, /**< colour and opacity over two quantities */
+  CHI_FEATURE_MASK = 512,           /**< masks, blanking, labels */
+  CHI_FEATURE_PREINTEGRATED = 1024, /**< colour that is not the middle scalar's */
+  CHI_FEATURE_COMPONENTS = 2048
 };
 
 enum
@@ -108,7 +116,8 @@ typedef struct chi_occlusion_plan
   /* Light. */
   float direction[CHI_PLAN_DIRECTIONS][2]; /**< slopes */
   float share[CHI_PLAN_DIRECTIONS];        /**< of the visibility */
-  float mean_length;                       /**< mean path a unit depth */
+  float attenuation;                       /**< factor of the optical thickness */
+  float mean_length;                       /**< mean path a unit depth, times that factor */
   float thin;             /**< thickness below which that of a light pixel is the plain mean */
   double light_pixels[2]; /**< light pixels a unit of shift and slope */
   /** Of light pixels -1, 0, 1 at offsets -1/4, 0, 1/4 from the middle one */
@@ -141,6 +150,25 @@ typedef struct chi_occlusion_plan
     receivers;     /**< [slabs] pixels whose surface lies between the planes g - 1 and g */
   chi_rect beyond; /**< pixels whose surface lies behind the last plane */
 } chi_occlusion_plan;
+
+/** Samples of one slab: rays, and the light planes that they read. */
+typedef struct chi_plan_slab
+{
+  float pixel[2]; /**< that the rays are counted from */
+  /** Index position of pixel (x, y) of this one, s slices behind the slab's first one: position + x
+   * position_x + y position_y + s (direction + x direction_x + y direction_y) */
+  float position[3], position_x[3], position_y[3], direction[3], direction_x[3], direction_y[3];
+  int32_t is_lit; /**< 0: visibility is 1 */
+  int32_t reserved;
+  int64_t first_plane; /**< light plane that the first slice reads, or the one after it; before
+                          plane 0 visibility is 1 */
+  float plane[3];      /**< place of the first slice between planes, from first_plane; its change a
+                          slice; its most */
+} chi_plan_slab;
+
+/** Infallible; 0 <= slab < plan->slabs. */
+CHI_API void chi_occlusion_plan_slab(
+  const chi_occlusion_plan* plan, int64_t slab, chi_plan_slab* out);
 
 /**
  * Describe a frame without carrying it out.

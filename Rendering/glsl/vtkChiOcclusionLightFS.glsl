@@ -1,0 +1,165 @@
+// SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// One slab's light, up to sixteen directions, four in a texture: shift, attenuate by half the slab,
+// which is what its middle sees, and by the other half (Eq. 3 of theory/occlusion.md). Output 0 is
+// the visibility, outputs 1 to 4 the light.
+//VTK::System::Dec
+//VTK::Output::Dec
+//CHI::Defines::Dec
+
+in vec2 texCoord;        // 0 to 1 over the target
+uniform vec2 targetSize; // pixels
+
+uniform sampler2D lightTexture0; // its border is light from outside: 1
+uniform sampler2D lightTexture1;
+uniform sampler2D lightTexture2;
+uniform sampler2D lightTexture3;
+uniform vec2 shift[16];       // whole light pixels
+uniform vec4 shiftWeight[16]; // of the pixels there, to the right, above, and above to the right
+uniform vec4 share[4];        // of the directions in the visibility
+#if HAS_TAU
+uniform sampler2D tauTexture;
+uniform sampler2D tauBeforeTexture; // the slab before
+uniform vec2 direction[16];         // slopes
+uniform vec2 raySlope;              // of light pixel (0, 0)
+uniform vec2 raySlopeStep;
+uniform float attenuation; // of the optical thickness
+uniform float meanLength;  // of the cone's paths, times attenuation
+uniform float thin;
+#endif
+#if HAS_GEOMETRY
+uniform sampler2D surfaceTexture;     // ..., slabs that a surface begins and ends to block
+uniform sampler2D surfaceMoreTexture; // share of light that it blocks, ...
+uniform float slab;
+#endif
+#if CONTINUES
+uniform sampler2D visibilityTexture; // of the directions that came before
+#endif
+
+#if HAS_TAU
+#if LIGHT_SCALE == 1
+float lightThickness(ivec2 q)
+{
+  return texelFetch(tauTexture, q, 0).r;
+}
+#else
+vec4 fourPixels(sampler2D from, ivec2 q)
+{
+  ivec2 p = 2 * q;
+  return vec4(texelFetch(from, p, 0).r, texelFetch(from, p + ivec2(1, 0), 0).r,
+    texelFetch(from, p + ivec2(0, 1), 0).r, texelFetch(from, p + ivec2(1, 1), 0).r);
+}
+
+// Thickness whose transmittance is the mean of four pixels'. Eq. 4.
+float lightThickness(ivec2 q)
+{
+  vec4 tau = fourPixels(tauTexture, q);
+  if (max(max(tau.x, tau.y), max(tau.z, tau.w)) <= thin)
+  {
+    return dot(tau, vec4(0.25));
+  }
+  vec4 before = exp(-meanLength * fourPixels(tauBeforeTexture, q));
+  float joint = max(dot(exp(-meanLength * tau), before), 4e-30);
+  return max((log(max(dot(before, vec4(1.0)), 4e-30)) - log(joint)) / meanLength, 0.0);
+}
+#endif
+#endif
+
+#if HAS_GEOMETRY
+float geometryThrough(ivec2 q)
+{
+  ivec2 size = textureSize(surfaceTexture, 0);
+  float blocked = 0.0;
+  for (int j = 0; j < LIGHT_SCALE; ++j)
+  {
+    for (int i = 0; i < LIGHT_SCALE; ++i)
+    {
+      ivec2 p = LIGHT_SCALE * q + ivec2(i, j);
+      if (p.x < size.x && p.y < size.y)
+      {
+        vec2 range = texelFetch(surfaceTexture, p, 0).ba;
+        blocked += range.x < slab + 1.0 && range.y >= slab
+          ? texelFetch(surfaceMoreTexture, p, 0).r : 0.0;
+      }
+    }
+  }
+  return 1.0 - blocked / float(LIGHT_SCALE * LIGHT_SCALE);
+}
+#endif
+
+vec4 tap(sampler2D from, vec2 at, vec4 weight)
+{
+  vec2 pixel = 1.0 / vec2(textureSize(from, 0));
+  vec2 low = at * pixel;
+  vec2 high = (at + 1.0) * pixel;
+  return weight.x * textureLod(from, low, 0.0) + weight.y * textureLod(from, vec2(high.x, low.y), 0.0) +
+    weight.z * textureLod(from, vec2(low.x, high.y), 0.0) + weight.w * textureLod(from, high, 0.0);
+}
+
+vec4 shifted(sampler2D from, int k)
+{
+  vec2 at = (floor(texCoord * targetSize) + 0.5);
+  return vec4(tap(from, at + shift[k], shiftWeight[k]).r,
+    tap(from, at + shift[k + 1], shiftWeight[k + 1]).g,
+    tap(from, at + shift[k + 2], shiftWeight[k + 2]).b,
+    tap(from, at + shift[k + 3], shiftWeight[k + 3]).a);
+}
+
+void main()
+{
+  ivec2 q = ivec2(texCoord * targetSize);
+#if HAS_TAU
+  float tau = lightThickness(q);
+  vec2 slope = raySlope + vec2(q) * raySlopeStep;
+#endif
+#if HAS_GEOMETRY
+  float geometry = geometryThrough(q);
+#endif
+#if CONTINUES
+  float sum = texelFetch(visibilityTexture, q, 0).r;
+#else
+  float sum = 0.0;
+#endif
+  vec4 light[4];
+  light[0] = shifted(lightTexture0, 0);
+#if TARGETS > 1
+  light[1] = shifted(lightTexture1, 4);
+#endif
+#if TARGETS > 2
+  light[2] = shifted(lightTexture2, 8);
+#endif
+#if TARGETS > 3
+  light[3] = shifted(lightTexture3, 12);
+#endif
+  for (int k = 0; k < TARGETS; ++k)
+  {
+#if HAS_TAU
+    // a ray of light through a pixel of slope p has the slope p - s
+    vec4 x = slope.x - vec4(direction[4 * k].x, direction[4 * k + 1].x, direction[4 * k + 2].x,
+      direction[4 * k + 3].x);
+    vec4 y = slope.y - vec4(direction[4 * k].y, direction[4 * k + 1].y, direction[4 * k + 2].y,
+      direction[4 * k + 3].y);
+    vec4 through = exp(-0.5 * attenuation * tau * sqrt(1.0 + x * x + y * y));
+    light[k] *= through;
+    sum += dot(light[k], share[k]);
+    light[k] *= through;
+#else
+    sum += dot(light[k], share[k]);
+#endif
+#if HAS_GEOMETRY
+    light[k] *= geometry;
+#endif
+  }
+  gl_FragData[0] = vec4(sum);
+  gl_FragData[1] = light[0];
+#if TARGETS > 1
+  gl_FragData[2] = light[1];
+#endif
+#if TARGETS > 2
+  gl_FragData[3] = light[2];
+#endif
+#if TARGETS > 3
+  gl_FragData[4] = light[3];
+#endif
+}

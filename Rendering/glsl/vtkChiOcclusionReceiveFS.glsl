@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Visibility of the surfaces that lie between two light planes, or, with BEYOND, behind the last one:
+// these read every direction at the offset that is left.
+//VTK::System::Dec
+//VTK::Output::Dec
+//CHI::Defines::Dec
+
+in vec2 texCoord;        // 0 to 1 over the target
+uniform vec2 targetSize; // pixels
+
+uniform sampler2D surfaceTexture; // depth, plane that is received, ...
+uniform float above;              // number of the plane above; BEYOND: of the last one
+
+#if BEYOND
+uniform sampler2D surfaceMoreTexture; // ..., shift a unit of slope, ...
+uniform sampler2D lightTexture0;      // its border is light from outside: 1
+uniform sampler2D lightTexture1;
+uniform sampler2D lightTexture2;
+uniform sampler2D lightTexture3;
+uniform vec2 direction[16];
+uniform vec4 share[4];
+uniform vec2 lightPixels; // light pixels a unit of shift
+
+vec4 tap(sampler2D from, vec2 at)
+{
+  vec2 low = floor(at - 0.5);
+  vec2 f = at - 0.5 - low;
+  vec2 pixel = 1.0 / vec2(textureSize(from, 0));
+  vec2 a = (low + 0.5) * pixel;
+  vec2 b = (low + 1.5) * pixel;
+  return mix(mix(textureLod(from, a, 0.0), textureLod(from, vec2(b.x, a.y), 0.0), f.x),
+    mix(textureLod(from, vec2(a.x, b.y), 0.0), textureLod(from, b, 0.0), f.x), f.y);
+}
+
+float four(sampler2D from, int k, vec2 at, vec2 unit)
+{
+  return dot(share[k], vec4(tap(from, at + direction[4 * k] * unit).r,
+    tap(from, at + direction[4 * k + 1] * unit).g, tap(from, at + direction[4 * k + 2] * unit).b,
+    tap(from, at + direction[4 * k + 3] * unit).a));
+}
+
+void main()
+{
+  ivec2 pixel = ivec2(texCoord * targetSize);
+  if (!(texelFetch(surfaceTexture, pixel, 0).g > above) ||
+    !(texelFetch(surfaceTexture, pixel, 0).g < 1e30))
+  {
+    discard;
+  }
+  vec2 unit = lightPixels * texelFetch(surfaceMoreTexture, pixel, 0).g;
+  vec2 at = (floor(texCoord * targetSize) + 0.5) / float(LIGHT_SCALE);
+  float sum = four(lightTexture0, 0, at, unit);
+#if TARGETS > 1
+  sum += four(lightTexture1, 1, at, unit);
+#endif
+#if TARGETS > 2
+  sum += four(lightTexture2, 2, at, unit);
+#endif
+#if TARGETS > 3
+  sum += four(lightTexture3, 3, at, unit);
+#endif
+  gl_FragData[0] = vec4(sum);
+}
+
+#else
+uniform sampler2D planeTexture0; // below
+uniform sampler2D planeTexture1; // above
+uniform float last;              // 1: there is no plane above this pair
+uniform vec2 planeThere;         // 0: before the first plane, where all light arrives
+uniform vec3 lightWeight[3];     // of light pixels -1, 0, 1 at offsets -1/4, 0, 1/4
+
+// In the light pixels at the rim the place is moved to their middle.
+vec3 weights(int pixel, int size)
+{
+  return pixel == 0 || pixel == 2 * size - 1 ? lightWeight[1]
+    : (pixel & 1) == 0                       ? lightWeight[0]
+                                             : lightWeight[2];
+}
+
+void main()
+{
+  ivec2 pixel = ivec2(texCoord * targetSize);
+  float plane = texelFetch(surfaceTexture, pixel, 0).g;
+  if (!((plane < above || (plane == above && last > 0.0)) && plane >= above - 1.0))
+  {
+    discard;
+  }
+  ivec2 size = textureSize(planeTexture0, 0);
+  vec2 sum = vec2(0.0);
+#if LIGHT_SCALE == 1
+  sum = vec2(texelFetch(planeTexture0, pixel, 0).r, texelFetch(planeTexture1, pixel, 0).r);
+#else
+  vec3 u = weights(pixel.x, size.x);
+  vec3 v = weights(pixel.y, size.y);
+  for (int b = 0; b < 3; ++b)
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      ivec2 q = clamp(pixel / 2 + ivec2(a - 1, b - 1), ivec2(0), size - 1);
+      sum += u[a] * v[b] *
+        vec2(texelFetch(planeTexture0, q, 0).r, texelFetch(planeTexture1, q, 0).r);
+    }
+  }
+#endif
+  sum = mix(vec2(1.0), clamp(sum, 0.0, 1.0), planeThere);
+  gl_FragData[0] = vec4(mix(sum.x, sum.y, plane - above + 1.0));
+}
+#endif

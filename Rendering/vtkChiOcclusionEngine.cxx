@@ -1,0 +1,152 @@
+// SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkChiOcclusionEngine.h"
+
+#include "vtkOpenGLRenderWindow.h"
+#include "vtkTimerLog.h"
+
+//------------------------------------------------------------------------------
+vtkChiOcclusionEngine::~vtkChiOcclusionEngine()
+{
+  chi_occlusion_destroy(nullptr, this->Core);
+}
+
+//------------------------------------------------------------------------------
+int vtkChiOcclusionEngine::Choose(
+  vtkOpenGLRenderWindow* window, const chi_occlusion_frame& frame, int asked)
+{
+  if (asked == CPU)
+  {
+    this->Reason = "the CPU engine is asked for";
+    return CPU;
+  }
+  const std::string renderer = vtkChiOcclusionGL::GetRendererOf(window);
+  if (asked == AUTO && vtkChiOcclusionGL::IsSoftware(renderer))
+  {
+    this->Reason = "OpenGL is drawn by " + renderer + ", in software";
+    return CPU;
+  }
+  const std::string obstacle = this->Refused.GetPointer() == window
+    ? "this window's OpenGL could not carry the shaders out"
+    : vtkChiOcclusionGL::WhyNot(window, frame);
+  if (!obstacle.empty())
+  {
+    this->Reason = obstacle;
+    return CPU;
+  }
+  this->Reason =
+    asked == OPENGL ? "the OpenGL engine is asked for" : "OpenGL is drawn by " + renderer;
+  return OPENGL;
+}
+
+//------------------------------------------------------------------------------
+chi_status vtkChiOcclusionEngine::Prepare(const chi_exec* exec)
+{
+  return this->Core ? CHI_OK : chi_occlusion_create(exec, &this->Core);
+}
+
+//------------------------------------------------------------------------------
+chi_status vtkChiOcclusionEngine::Render(const chi_exec* exec, vtkOpenGLRenderWindow* window,
+  const chi_occlusion_frame& frame, int asked, bool half)
+{
+  this->Image = {};
+  this->Window = window;
+  const chi_status prepared = this->Prepare(exec);
+  if (prepared != CHI_OK)
+  {
+    return prepared;
+  }
+  this->InUse = this->Choose(window, frame, asked);
+  if (this->InUse == OPENGL)
+  {
+    const chi_status status = this->RenderOpenGL(exec, window, frame, half);
+    if (status != CHI_OK || this->InUse == OPENGL)
+    {
+      return status;
+    }
+  }
+  this->GL.ReleaseGraphicsResources(window);
+  const chi_status status = chi_occlusion_render(exec, this->Core, &frame);
+  this->Stats.struct_size = sizeof(this->Stats);
+  chi_occlusion_get_stats(this->Core, &this->Stats);
+  if (status == CHI_OK)
+  {
+    chi_occlusion_get_image(this->Core, &this->Image);
+  }
+  return status;
+}
+
+//------------------------------------------------------------------------------
+chi_status vtkChiOcclusionEngine::RenderOpenGL(
+  const chi_exec* exec, vtkOpenGLRenderWindow* window, const chi_occlusion_frame& frame, bool half)
+{
+  const double start = vtkTimerLog::GetUniversalTime();
+  chi_occlusion_plan plan = {};
+  plan.struct_size = sizeof(plan);
+  const chi_status status = chi_occlusion_describe(exec, this->Core, &frame, &plan);
+  this->Stats.struct_size = sizeof(this->Stats);
+  chi_occlusion_get_stats(this->Core, &this->Stats);
+  if (status != CHI_OK)
+  {
+    return status;
+  }
+  if (!this->GL.Holds(window, plan, half))
+  {
+    const double begin = vtkTimerLog::GetUniversalTime();
+    this->Stats.reused = 0;
+    this->Rgba.clear();
+    if (!this->GL.Render(window, plan, half))
+    {
+      this->Refused = window;
+      this->InUse = CPU;
+      this->Reason = "this window's OpenGL could not carry the shaders out";
+      return CHI_OK;
+    }
+    this->Stats.samples = this->GL.GetSamples();
+    this->Stats.light_updates = this->GL.GetLightUpdates();
+    this->Stats.seconds_slices = vtkTimerLog::GetUniversalTime() - begin;
+  }
+  this->Image.width = plan.width;
+  this->Image.height = plan.height;
+  if (!this->Rgba.empty()) // read back before, and nothing has changed
+  {
+    this->Image.rgba = this->Rgba.data();
+    this->Image.visibility = this->Visibility.data();
+  }
+  this->Stats.seconds_total = vtkTimerLog::GetUniversalTime() - start;
+  return CHI_OK;
+}
+
+//------------------------------------------------------------------------------
+vtkTextureObject* vtkChiOcclusionEngine::GetLayer()
+{
+  return this->InUse == OPENGL ? this->GL.GetLayer() : nullptr;
+}
+
+//------------------------------------------------------------------------------
+vtkTextureObject* vtkChiOcclusionEngine::GetVisibility()
+{
+  return this->InUse == OPENGL ? this->GL.GetVisibility() : nullptr;
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiOcclusionEngine::ReadImage()
+{
+  if (this->InUse == OPENGL && this->Image.width > 0 && !this->Image.rgba)
+  {
+    vtkOpenGLRenderWindow* window = vtkOpenGLRenderWindow::SafeDownCast(this->Window);
+    if (this->GL.ReadLayer(window, this->Rgba) && this->GL.ReadVisibility(window, this->Visibility))
+    {
+      this->Image.rgba = this->Rgba.data();
+      this->Image.visibility = this->Visibility.data();
+    }
+  }
+  return this->Image.rgba != nullptr;
+}
+
+//------------------------------------------------------------------------------
+void vtkChiOcclusionEngine::ReleaseGraphicsResources(vtkWindow* window)
+{
+  this->GL.ReleaseGraphicsResources(window);
+  this->Refused = nullptr;
+}

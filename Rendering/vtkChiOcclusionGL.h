@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef vtkChiOcclusionGL_h
+#define vtkChiOcclusionGL_h
+
+#include "vtkChiOcclusionTextures.h"
+#include "vtkChiQuadPass.h"
+
+#include <chiaroscuro/chi_occlusion_plan.h>
+
+#include "vtkNew.h"
+#include "vtkRenderWindow.h"
+#include "vtkSmartPointer.h"
+#include "vtkTextureObject.h"
+#include "vtkWeakPointer.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+class vtkOpenGLRenderWindow;
+
+// The OpenGL engine: carries the core's plan of a frame out in fragment shaders, slab by slab, and
+// leaves the picture in textures. OpenGL 3.2 core, one quad a pass.
+class vtkChiOcclusionGL
+{
+public:
+  // Whether a GL_RENDERER string names a rasteriser that runs on the processor, where the CPU
+  // engine is the faster one.
+  static bool IsSoftware(const std::string& renderer);
+  static std::string GetRendererOf(vtkOpenGLRenderWindow* window);
+
+  // Why this window cannot draw this frame; empty where it can.
+  static std::string WhyNot(vtkOpenGLRenderWindow* window, const chi_occlusion_frame& frame);
+
+  // False where OpenGL refuses something; `half`: light in 16-bit floats.
+  bool Render(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan, bool half);
+  // Whether the textures hold the picture of this plan.
+  bool Holds(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan, bool half);
+
+  vtkTextureObject* GetLayer() { return this->Layer; } // premultiplied colour and alpha
+  vtkTextureObject* GetVisibility() { return this->Visibility; }
+  bool ReadLayer(vtkOpenGLRenderWindow* window, std::vector<float>& rgba);
+  bool ReadVisibility(vtkOpenGLRenderWindow* window, std::vector<float>& visibility);
+  // Samples of the rectangles that were drawn, and their light updates: what shaders skip counts.
+  std::int64_t GetSamples() const { return this->Samples; }
+  std::int64_t GetLightUpdates() const { return this->LightUpdates; }
+
+  void ReleaseGraphicsResources(vtkWindow* window);
+
+private:
+  using TextureList = std::vector<vtkSmartPointer<vtkTextureObject>>;
+  // Light for one kind of receiver.
+  struct Field
+  {
+    TextureList Light[2]; // four directions each
+    TextureList Ring;     // visibility of the last slabs
+  };
+
+  bool Allocate(const chi_occlusion_plan& plan, bool half);
+  void Reserve(vtkTextureObject* texture, int width, int height, int components, bool half);
+  void Reserve(
+    TextureList& list, std::size_t count, const chi_occlusion_plan& plan, int components);
+  void Clear(const chi_occlusion_plan& plan);
+  void DrawSlabs(const chi_occlusion_plan& plan);
+  void DrawSamples(const chi_occlusion_plan& plan, std::int64_t slab);
+  void DrawLight(const chi_occlusion_plan& plan, int field, std::int64_t slab);
+  void DrawReceivers(const chi_occlusion_plan& plan, std::int64_t slab);
+  void DrawBeyond(const chi_occlusion_plan& plan);
+  void DrawVicinity(const chi_occlusion_plan& plan);
+  bool AskAlive(const chi_occlusion_plan& plan, std::int64_t slab);
+  vtkTextureObject* Plane(const chi_occlusion_plan& plan, int field, std::int64_t slab);
+
+  vtkWeakPointer<vtkRenderWindow> Window;
+  vtkTimeStamp ContextTime;
+  vtkMTimeType Context = 0;
+  vtkChiQuadPass Pass;
+  vtkChiOcclusionTextures Inputs;
+  vtkNew<vtkTextureObject> Layer;
+  vtkNew<vtkTextureObject> Received;   // visibility of surfaces from the light planes
+  vtkNew<vtkTextureObject> Visibility; // with vicinity and strength
+  vtkNew<vtkTextureObject> Tau[2];     // of this slab and the one before
+  vtkNew<vtkTextureObject> Partial[2]; // visibility of the directions so far
+  chi_rect TauDrawn[2] = {};
+  Field Fields[2];
+  unsigned int Query = 0;
+  bool Asked = false;
+  bool Half = false;
+  bool Drawn = false;
+  std::uint64_t FrameVersion = 0;
+  std::int64_t Samples = 0;
+  std::int64_t LightUpdates = 0;
+};
+
+#endif

@@ -1,0 +1,171 @@
+// SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+// SPDX-License-Identifier: BSD-3-Clause
+#if __has_include("vtk_glad.h")
+#  include "vtk_glad.h"
+#else
+#  include "vtk_glew.h"
+#endif
+#include "vtkChiOcclusionTextures.h"
+
+#include "vtkOpenGLRenderWindow.h"
+
+#include <cstddef>
+
+namespace
+{
+// A texel format, and the VTK type of what is uploaded into it.
+struct Format
+{
+  unsigned int Internal;
+  unsigned int External;
+  int Type;
+  int Components;
+};
+
+// Samples as they are: linear filters of the hardware have 8-bit weights, the core's have 24.
+Format formatOf(chi_type type)
+{
+  switch (type)
+  {
+    case CHI_U8:
+      return { GL_R8UI, GL_RED_INTEGER, VTK_UNSIGNED_CHAR, 1 };
+    case CHI_I16:
+      return { GL_R16I, GL_RED_INTEGER, VTK_SHORT, 1 };
+    case CHI_U16:
+      return { GL_R16UI, GL_RED_INTEGER, VTK_UNSIGNED_SHORT, 1 };
+    default:
+      return { GL_R32F, GL_RED, VTK_FLOAT, 1 };
+  }
+}
+
+void prepare(vtkTextureObject* texture, vtkOpenGLRenderWindow* window, const Format& format)
+{
+  texture->SetContext(window);
+  texture->SetMinificationFilter(vtkTextureObject::Nearest);
+  texture->SetMagnificationFilter(vtkTextureObject::Nearest);
+  texture->SetWrapS(vtkTextureObject::ClampToEdge);
+  texture->SetWrapT(vtkTextureObject::ClampToEdge);
+  texture->SetWrapR(vtkTextureObject::ClampToEdge);
+  texture->SetInternalFormat(format.Internal);
+  texture->SetFormat(format.External);
+  texture->SetDataType(static_cast<unsigned int>(texture->GetDefaultDataType(format.Type)));
+}
+
+// The interface takes no const, and only reads.
+bool upload(vtkTextureObject* texture, vtkOpenGLRenderWindow* window, const Format& format,
+  std::size_t width, std::size_t height, const void* data)
+{
+  prepare(texture, window, format);
+  return texture->Create2DFromRaw(static_cast<unsigned int>(width),
+    static_cast<unsigned int>(height), format.Components, format.Type, const_cast<void*>(data));
+}
+
+bool upload(vtkTextureObject* texture, vtkOpenGLRenderWindow* window, const Format& format,
+  const std::size_t size[3], const void* data)
+{
+  prepare(texture, window, format);
+  return texture->Create3DFromRaw(static_cast<unsigned int>(size[0]),
+    static_cast<unsigned int>(size[1]), static_cast<unsigned int>(size[2]), format.Components,
+    format.Type, const_cast<void*>(data));
+}
+}
+
+//------------------------------------------------------------------------------
+const char* vtkChiOcclusionTextures::SamplerOf(chi_type type)
+{
+  return type == CHI_F32 ? "sampler3D" : type == CHI_I16 ? "isampler3D" : "usampler3D";
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiOcclusionTextures::Update(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan)
+{
+  bool good = true;
+  if (plan.scalars)
+  {
+    good = this->UpdateVolume(window, plan) && this->UpdateTables(window, plan);
+  }
+  if (plan.surface)
+  {
+    good = good && this->UpdateSurfaces(window, plan);
+  }
+  else
+  {
+    this->Surface->ReleaseGraphicsResources(window);
+    this->SurfaceMore->ReleaseGraphicsResources(window);
+  }
+  this->FrameVersion = plan.frame_version;
+  return good;
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiOcclusionTextures::UpdateVolume(
+  vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan)
+{
+  this->Volume->SetContext(window); // releases what belongs to another window
+  if (this->Volume->GetHandle() != 0 && this->VolumeVersion == plan.volume_version)
+  {
+    return true;
+  }
+  this->VolumeVersion = plan.volume_version;
+  return upload(this->Volume, window, formatOf(plan.type), plan.dimensions, plan.scalars);
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiOcclusionTextures::UpdateTables(
+  vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan)
+{
+  this->Colors->SetContext(window);
+  if (this->Colors->GetHandle() != 0 && this->TableVersion == plan.table_version)
+  {
+    return true;
+  }
+  this->TableVersion = plan.table_version;
+  const std::size_t width = TABLE_WIDTH;
+  const std::size_t height = (plan.entries - 1) / width + 1;
+  std::vector<std::int32_t> sums(width * height);
+  std::vector<float> sigma(2 * width * height);
+  std::vector<float> colors(4 * width * height);
+  for (std::size_t i = 0; i < plan.entries; ++i)
+  {
+    sums[i] = plan.table[i].sum;
+    sigma[2 * i] = plan.table[i].sigma;
+    sigma[2 * i + 1] = plan.table[i].half_slope;
+    for (std::size_t c = 0; c < 4; ++c)
+    {
+      colors[4 * i + c] = plan.rgba[i][c];
+    }
+  }
+  return upload(this->Sums, window, { GL_R32I, GL_RED_INTEGER, VTK_INT, 1 }, width, height,
+           sums.data()) &&
+    upload(this->Sigma, window, { GL_RG32F, GL_RG, VTK_FLOAT, 2 }, width, height, sigma.data()) &&
+    upload(
+      this->Colors, window, { GL_RGBA32F, GL_RGBA, VTK_FLOAT, 4 }, width, height, colors.data()) &&
+    upload(this->Bricks, window, { GL_R8UI, GL_RED_INTEGER, VTK_UNSIGNED_CHAR, 1 }, plan.bricks,
+      plan.occupied);
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiOcclusionTextures::UpdateSurfaces(
+  vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan)
+{
+  this->Surface->SetContext(window);
+  if (this->Surface->GetHandle() != 0 && this->FrameVersion == plan.frame_version)
+  {
+    return true;
+  }
+  const Format format = { GL_RGBA32F, GL_RGBA, VTK_FLOAT, 4 };
+  const std::size_t width = static_cast<std::size_t>(plan.width);
+  const std::size_t height = static_cast<std::size_t>(plan.height);
+  return upload(this->Surface, window, format, width, height, plan.surface) &&
+    upload(this->SurfaceMore, window, format, width, height, plan.surface_more);
+}
+
+//------------------------------------------------------------------------------
+void vtkChiOcclusionTextures::ReleaseGraphicsResources(vtkWindow* window)
+{
+  for (vtkTextureObject* texture : { this->Volume.Get(), this->Bricks.Get(), this->Sums.Get(),
+         this->Sigma.Get(), this->Colors.Get(), this->Surface.Get(), this->SurfaceMore.Get() })
+  {
+    texture->ReleaseGraphicsResources(window);
+  }
+}

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef vtkChiOcclusionTextures_h
+#define vtkChiOcclusionTextures_h
+
+#include <chiaroscuro/chi_occlusion_plan.h>
+
+#include "vtkNew.h"
+#include "vtkTextureObject.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+class vtkOpenGLRenderWindow;
+class vtkWindow;
+
+// What the core's plan of a frame hands to the OpenGL engine, as textures: samples, bricks, tables,
+// surfaces. Each is uploaded when its version changes, and stays until it is released.
+class vtkChiOcclusionTextures
+{
+public:
+  enum
+  {
+    TABLE_WIDTH = 1024 // entries a row of a table's texture
+  };
+
+  // False where OpenGL refuses one of them.
+  bool Update(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
+  void ReleaseGraphicsResources(vtkWindow* window);
+
+  // Of the samples' texture, in GLSL.
+  static const char* SamplerOf(chi_type type);
+
+  vtkTextureObject* GetVolume() { return this->Volume; }
+  vtkTextureObject* GetBricks() { return this->Bricks; }
+  vtkTextureObject* GetSums() { return this->Sums; }
+  vtkTextureObject* GetSigma() { return this->Sigma; }
+  vtkTextureObject* GetColors() { return this->Colors; }
+  vtkTextureObject* GetSurface() { return this->Surface; }
+  vtkTextureObject* GetSurfaceMore() { return this->SurfaceMore; }
+
+private:
+  bool UpdateVolume(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
+  bool UpdateTables(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
+  bool UpdateSurfaces(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
+
+  vtkNew<vtkTextureObject> Volume;
+  vtkNew<vtkTextureObject> Bricks;
+  vtkNew<vtkTextureObject> Sums;
+  vtkNew<vtkTextureObject> Sigma;
+  vtkNew<vtkTextureObject> Colors;
+  vtkNew<vtkTextureObject> Surface;
+  vtkNew<vtkTextureObject> SurfaceMore;
+  std::uint64_t VolumeVersion = 0;
+  std::uint64_t TableVersion = 0;
+  std::uint64_t FrameVersion = 0;
+};
+
+#endif

@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef vtkChiQuadPass_h
+#define vtkChiQuadPass_h
+
+#include <chiaroscuro/chi_occlusion_plan.h>
+
+#include "vtkNew.h"
+#include "vtkOpenGLFramebufferObject.h"
+#include "vtkOpenGLQuadHelper.h"
+#include "vtkTextureObject.h"
+
+#include <initializer_list>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+class vtkOpenGLRenderWindow;
+class vtkShaderProgram;
+
+// Draws quads that compute: a fragment shader with definitions, textures to read, textures to
+// write, and the rectangle of pixels that it happens in. Shaders are built once a set of
+// definitions.
+class vtkChiQuadPass
+{
+public:
+  enum Blending
+  {
+    REPLACE,
+    UNDER, // target 0: what is there stays in front; further targets are replaced
+    ADD
+  };
+
+  // All draws lie between these two; OpenGL's state is afterwards as it was.
+  void Begin(vtkOpenGLRenderWindow* window);
+  void End();
+
+  // Null where the shader cannot be built. `definitions` are lines of GLSL.
+  vtkShaderProgram* Use(const char* shader, const std::string& definitions);
+  void Read(const char* name, vtkTextureObject* texture);
+  void Draw(const std::vector<vtkTextureObject*>& targets, const chi_rect& rect,
+    Blending blending = REPLACE);
+  // Fill a rectangle of a texture with one value.
+  void Clear(vtkTextureObject* target, const chi_rect& rect, const float value[4]);
+  // Whether the frame buffer of a draw was refused.
+  bool HasFailed() const { return this->Failed; }
+
+  bool ReadPixels(vtkOpenGLRenderWindow* window, vtkTextureObject* from, int components,
+    std::vector<float>& values);
+  void ReleaseGraphicsResources(vtkWindow* window);
+
+private:
+  class State;
+  void Bind(const std::vector<vtkTextureObject*>& targets, const chi_rect& rect);
+
+  vtkOpenGLRenderWindow* Window = nullptr; // between Begin and End
+  std::shared_ptr<State> Restore;
+  vtkNew<vtkOpenGLFramebufferObject> Target;
+  std::size_t Attached = 0;
+  std::map<std::pair<const char*, std::string>, std::unique_ptr<vtkOpenGLQuadHelper>> Programs;
+  vtkOpenGLQuadHelper* Quad = nullptr;
+  std::vector<vtkTextureObject*> Textures; // active
+  bool Failed = false;
+};
+
+#endif
