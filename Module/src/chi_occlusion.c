@@ -540,6 +540,9 @@ chi_status chi_occlusion_render(
   const size_t pixels = (size_t)frame->camera->width * (size_t)frame->camera->height;
   if (status == CHI_OK &&
     (!chi_buffer_reserve(exec, &o->rgba, pixels, 4 * sizeof(float)) ||
+      (frame->surface &&
+        !chi_buffer_reserve(exec, reduction > 1 ? &o->reduction.rgba : &o->rgba,
+          chi_march_picture_floats(&scene), sizeof(float))) ||
       !chi_buffer_reserve(
         exec, &o->visibility, pixels * (scene.channels > 1 ? 4 : 1), sizeof(float))))
   {

@@ -167,8 +167,8 @@ typedef struct chi_scene
   /* Colours of light that are attenuated differently: 1, each red, green and blue, or in between */
   int channels, channel_of[3];
   float factor[3]; /* [channels] of the optical thickness */
-  /* Light pixels by which light planes lie aside in turn, so that shifts of whole pixels are blurred
-   * as others are; theory/occlusion.md, "Steps" */
+  /* Light pixels by which light planes lie aside in turn, so that shifts of whole pixels are
+   * blurred as others are; theory/occlusion.md, "Steps" */
   float zigzag[2][CHI_MAX_ORDINATES];
   int64_t zigzag_phase; /* slabs */
   int published;
@@ -310,7 +310,7 @@ typedef struct chi_march_result
 struct chi_component_set;
 typedef struct chi_march
 {
-  float* crossing;    /* NULL, or [height][width]: depths where the transmittance gets down to ... */
+  float* crossing; /* NULL, or [height][width]: depths where the transmittance gets down to ... */
   float crossing_transmittance;
   const struct chi_component_set* components; /* with frame->components */
   chi_buffer planes; /* float, picture-sized state; see chi_occlusion_march.c */
@@ -337,6 +337,8 @@ chi_status chi_enlarge(const chi_exec* exec, chi_reduction* from, const chi_occl
   const chi_scene* scene, int n, float* rgba, float* visibility);
 void chi_reduction_free(const chi_exec* exec, chi_reduction* reduction);
 
+/* Floats that `rgba` has room for where there is a surface, whose planes lie there meanwhile. */
+size_t chi_march_picture_floats(const chi_scene* scene);
 chi_status chi_march_run(const chi_exec* exec, chi_march* march, const chi_scene* scene,
   const chi_bricks* bricks, const chi_classification* classification,
   const chi_occlusion_frame* frame, float* rgba, float* visibility, chi_march_result* result);

@@ -157,7 +157,7 @@ static void run_task(march* m, int64_t block, int band)
       row.sum = (int32_t*)(void*)picture(m, SUM, y);
       row.rest = picture(m, REST, y);
       row.tau = tau_row(m, slab, y);
-      chi_march_sample_row(m, slab, y, need, &row);
+      chi_march_sample_row(m, slab, y, band, &row);
     }
     const double t1 = chi_seconds();
     seconds[0] += t1 - t0;
@@ -255,10 +255,13 @@ static void store_rows(void* data, size_t begin, size_t end)
       rgba[4 * (y * width + x) + 3] = 1 - transmittance[x];
     }
     const size_t colors = colors_of(m);
-    for (size_t c = 0; c < colors; ++c)
+    if (!m->frame->surface)
     {
-      const float* const seen =
-        surface_visibility(m, colors == 1 ? 0 : m->scene->channel_of[c], (int64_t)y);
+      chi_fill_ones(visibility + colors * y * width, (int)(colors * width));
+    }
+    for (size_t c = 0; c < colors && colors > 1 && m->frame->surface; ++c)
+    {
+      const float* const seen = surface_visibility(m, m->scene->channel_of[c], (int64_t)y);
       for (size_t x = 0; x < width; ++x)
       {
         visibility[colors * (y * width + x) + c] = seen[x];
@@ -297,6 +300,8 @@ chi_status chi_march_run(const chi_exec* exec, chi_march* keep, const chi_scene*
     .frame = frame,
     .kernels = chi_kernels(),
     .keep = keep,
+    .surfaces = rgba,
+    .seen = visibility,
     .bricks = bricks,
     .classification = classification,
     .layers = chi_layers_count(frame),
@@ -313,7 +318,7 @@ chi_status chi_march_run(const chi_exec* exec, chi_march* keep, const chi_scene*
   if (status == CHI_OK && frame->surface)
   {
     status = chi_surface_intervals(exec, scene, frame->surface, frame->params->geometry_thickness,
-      PICTURE_PLANES * m.stride, m.stride, picture(&m, SURFACE, 0), picture(&m, RECEIVER, 0),
+      GEOMETRY_PLANES * m.stride, m.stride, picture(&m, SURFACE, 0), picture(&m, RECEIVER, 0),
       picture(&m, BLOCK_BEGIN, 0), picture(&m, BLOCK_END, 0));
     if (status == CHI_OK)
     {

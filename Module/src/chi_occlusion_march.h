@@ -27,25 +27,22 @@ enum
   REST,
   TAU,
   TAU_OTHER, /* slabs take turns: the one before is still needed */
-  ROW_VISIBILITY,
   ENTER,
   LEAVE,
-  SURFACE,
+  VOLUME_PLANES, /* those of the surface follow, where the picture will lie in the end */
+  SURFACE = VOLUME_PLANES,
   RECEIVER, /* depth from which the surface's bias counts */
   BLOCK_BEGIN,
   BLOCK_END,
-  SURFACE_VISIBILITY,
   PICTURE_PLANES,
-  LAYER_SLOTS = CHI_MAX_LAYERS + 1, /* a surface's edge is one more */
-  LAYER_DEPTH = 0,                  /* of chi_march.layers, a slot each: slices; INFINITY: none */
+  GEOMETRY_PLANES = PICTURE_PLANES - VOLUME_PLANES, /* not more than the picture's channels */
+  LAYER_SLOTS = CHI_MAX_LAYERS + 1,                 /* a surface's edge is one more */
+  LAYER_DEPTH = 0, /* of chi_march.layers, a slot each: slices; INFINITY: none */
   LAYER_WEIGHT = LAYER_DEPTH + LAYER_SLOTS,            /* transmittance in front of the layer */
   LAYER_VISIBILITY = LAYER_WEIGHT + LAYER_SLOTS,       /* before strength; a channel */
   LAYER_RECEIVER = LAYER_VISIBILITY + 3 * LAYER_SLOTS, /* depth from which the edge's bias counts */
   LAYER_RED = LAYER_RECEIVER + 1,                      /* and green, blue, transmittance: */
   LAYER_PLANES = LAYER_RED + 4,                        /* a row before it is sampled */
-  ROW_TINT = 0,     /* of chi_march.tint, where there are more channels than one: the second and */
-  SURFACE_TINT = 2, /* third channel's ROW_VISIBILITY, SURFACE_VISIBILITY */
-  TINT_PLANES = 4,
   LIGHT_TAU = 0,
   GEOMETRY,
   LIGHT_PLANES
@@ -77,13 +74,6 @@ enum
   RAYS_BEHIND_GEOMETRY = 2 /* some of them; none is live */
 };
 
-/* The shift of one slab, for all directions. */
-typedef struct light_step
-{
-  ptrdiff_t offset[CHI_MAX_ORDINATES];
-  float weight[CHI_MAX_ORDINATES][4];
-} light_step;
-
 /* One frame's march: borrowed scene, buffers of chi_march, and the state that tasks share. */
 typedef struct march
 {
@@ -98,9 +88,12 @@ typedef struct march
   const chi_classification* classification;
   chi_sample_frame more[CHI_MAX_COMPONENTS - 1];
   chi_component_frame component_frame;
-  float* planes;  /* [PICTURE_PLANES][rows][stride] */
-  float* scratch; /* [LIGHT_PLANES][light rows][light_stride] */
-  float* tint;    /* [TINT_PLANES][rows][stride]; NULL with one channel */
+  float* planes;    /* [rows][VOLUME_PLANES][stride] */
+  float* surfaces;  /* [rows][GEOMETRY_PLANES][stride], in the memory of the picture */
+  float* scratch;   /* [LIGHT_PLANES][light rows][light_stride] */
+  float* band_rows; /* [bands][channels][stride] */
+  float* seen;      /* [height][width] visibility of the picture's surfaces; see next */
+  float* tint;      /* [channels][rows][stride] the same; unused with one channel */
   size_t stride, rows, plane;
   /* Light: [rows][directions][light_stride], so that a row of all directions is contiguous (pages,
    * cache sets); visibility: [ring][rows][light_stride]. Origins: pixel (0, 0) within the padding.
@@ -120,13 +113,14 @@ typedef struct march
   uint8_t* tau_flag;       /* [light rows][segments] */
   uint8_t* tau_stale;      /* [2][rows] the row holds the thickness of an earlier slab */
   uint8_t* need;           /* [bands][segments] */
-  float* ranges;      /* [light rows][segments][4]: blocker begin, end; receiver first, last step */
-  double* reach;      /* [slabs + 1] light pixels that light can have moved */
-  light_step* steps;  /* [slabs] */
-  int64_t* order;     /* [tickets][2] block, band */
-  atomic_uchar* done; /* [blocks][bands] */
-  int layers;         /* slots in use: translucent ones, then the edge; 0: the next are not there */
-  int edge;           /* slot of the edge, or -1 */
+  float* ranges; /* [light rows][segments][4]: blocker begin, end; receiver first, last step */
+  double* reach; /* [slabs + 1] light pixels that light can have moved */
+  ptrdiff_t* step_offset;  /* [slabs][directions] shift of one slab */
+  float (*step_weight)[4]; /* [slabs][directions] */
+  int64_t* order;          /* [tickets][2] block, band */
+  atomic_uchar* done;      /* [blocks][bands] */
+  int layers; /* slots in use: translucent ones, then the edge; 0: the next are not there */
+  int edge;   /* slot of the edge, or -1 */
   float* layer_planes; /* [rows][LAYER_PLANES][stride] */
   float* layer_next;   /* [rows][cells_x] depth of the nearest layer that is not blended yet */
   float* layer_steps;  /* [light rows][segments][2] first and last step that lights a layer */
@@ -146,24 +140,23 @@ typedef struct march
 
 static inline float* picture(const march* m, int which, int64_t y)
 {
-  return m->planes + ((size_t)y * PICTURE_PLANES + (size_t)which) * m->stride;
+  return which < VOLUME_PLANES
+    ? m->planes + ((size_t)y * VOLUME_PLANES + (size_t)which) * m->stride
+    : m->surfaces + ((size_t)y * GEOMETRY_PLANES + (size_t)(which - VOLUME_PLANES)) * m->stride;
 }
 
-static inline float* channel_row(const march* m, int channel, int which, int tint, int64_t y)
+/* Visibility of a row of pixels, one slice's: of a band, at whose row only one task is at a time.
+ */
+static inline float* row_visibility(const march* m, int channel, int band)
 {
-  return channel == 0 ? picture(m, which, y)
-                      : m->tint + ((size_t)(tint + channel - 1) * m->rows + (size_t)y) * m->stride;
+  return m->band_rows + (size_t)(band * m->scene->channels + channel) * m->stride;
 }
 
-/* Visibility of a row of pixels, one slice's; and of its surface; in a channel of light. */
-static inline float* row_visibility(const march* m, int channel, int64_t y)
-{
-  return channel_row(m, channel, ROW_VISIBILITY, ROW_TINT, y);
-}
-
+/* Visibility of a row's surface in a channel of light: of the picture itself where there is one. */
 static inline float* surface_visibility(const march* m, int channel, int64_t y)
 {
-  return channel_row(m, channel, SURFACE_VISIBILITY, SURFACE_TINT, y);
+  return m->scene->channels == 1 ? m->seen + (size_t)y * (size_t)m->scene->width
+                                 : m->tint + ((size_t)channel * m->rows + (size_t)y) * m->stride;
 }
 
 /* Optical thickness of a row in a slab; that of the slab before is there as well. */
@@ -256,8 +249,7 @@ void chi_layers_after(march* m, chi_sample_row* row, int64_t y, int first_cell, 
 void chi_layers_finish(void* data, size_t begin, size_t end);
 
 /* chi_occlusion_samples.c */
-void chi_march_sample_row(
-  march* m, int64_t slab, int64_t y, const uint8_t* need, chi_sample_row* row);
+void chi_march_sample_row(march* m, int64_t slab, int64_t y, int band, chi_sample_row* row);
 
 /* chi_occlusion_light.c */
 typedef struct light_counts

@@ -33,10 +33,8 @@ void chi_scene_step(
   const double aside = side_of(s, slab) - side_of(s, slab - 1);
   const double straight_x = (double)s->tangent[0][direction] * s->pixels_x * shift;
   const double straight_y = (double)s->tangent[1][direction] * s->pixels_y * shift;
-  const double dx =
-    fmin(fmax(straight_x + aside * (double)s->zigzag[0][direction], -wide), wide);
-  const double dy =
-    fmin(fmax(straight_y + aside * (double)s->zigzag[1][direction], -high), high);
+  const double dx = fmin(fmax(straight_x + aside * (double)s->zigzag[0][direction], -wide), wide);
+  const double dy = fmin(fmax(straight_y + aside * (double)s->zigzag[1][direction], -high), high);
   const double i = floor(dx), j = floor(dy), u = dx - i, v = dy - j;
   offset[0] = (int32_t)i;
   offset[1] = (int32_t)j;
@@ -56,18 +54,33 @@ static void plan_steps(march* m)
     for (int k = 0; k < s->directions; ++k)
     {
       int32_t at[2];
-      chi_scene_step(s, g, k, at, m->steps[g].weight[k]);
-      m->steps[g].offset[k] = (ptrdiff_t)at[1] * (ptrdiff_t)m->light_row + (ptrdiff_t)at[0];
+      float* const w = m->step_weight[g * s->directions + k];
+      chi_scene_step(s, g, k, at, w);
+      m->step_offset[g * s->directions + k] =
+        (ptrdiff_t)at[1] * (ptrdiff_t)m->light_row + (ptrdiff_t)at[0];
       /* a shift of a whole number of pixels reaches no farther than that number */
-      const int32_t x =
-        at[0] < 0 ? -at[0] : at[0] + (m->steps[g].weight[k][1] > 0 || m->steps[g].weight[k][3] > 0);
-      const int32_t y =
-        at[1] < 0 ? -at[1] : at[1] + (m->steps[g].weight[k][2] > 0 || m->steps[g].weight[k][3] > 0);
+      const int32_t x = at[0] < 0 ? -at[0] : at[0] + (w[1] > 0 || w[3] > 0);
+      const int32_t y = at[1] < 0 ? -at[1] : at[1] + (w[2] > 0 || w[3] > 0);
       reach = fmax(reach, x > y ? x : y);
     }
     m->reach[g] = (g ? m->reach[g - 1] : 0) + reach;
   }
   m->reach[s->slabs] = INFINITY; /* receivers behind the last plane look anywhere */
+}
+
+static size_t row_stride(const chi_scene* s)
+{
+  return round_up((size_t)s->width + CHI_CELL_WIDTH, 64);
+}
+
+static size_t row_count(const chi_scene* s)
+{
+  return round_up((size_t)s->height, (size_t)s->scale);
+}
+
+size_t chi_march_picture_floats(const chi_scene* s)
+{
+  return GEOMETRY_PLANES * row_count(s) * row_stride(s) + 64;
 }
 
 int64_t chi_scene_ring(const chi_scene* s)
@@ -215,10 +228,13 @@ static chi_status reserve(march* m)
   const size_t segments = (size_t)m->segments, bands = (size_t)m->bands;
   const size_t blocks = (size_t)m->blocks, cells = (size_t)m->cells_x,
                light_rows = (size_t)s->light_height;
-  const size_t slabs = (size_t)s->slabs;
-  if (!chi_buffer_reserve(exec, &keep->planes, PICTURE_PLANES * m->plane + 64, sizeof(float)) ||
+  const size_t slabs = (size_t)s->slabs, directions = (size_t)s->directions;
+  const size_t channels = (size_t)s->channels;
+  const size_t scratch = LIGHT_PLANES * light_rows * m->light_stride;
+  const size_t step_bytes = sizeof *m->step_offset + sizeof *m->step_weight;
+  if (!chi_buffer_reserve(exec, &keep->planes, VOLUME_PLANES * m->plane + 64, sizeof(float)) ||
     !chi_buffer_reserve(
-      exec, &keep->scratch, LIGHT_PLANES * light_rows * m->light_stride + 64, sizeof(float)) ||
+      exec, &keep->scratch, scratch + bands * channels * m->stride + 64, sizeof(float)) ||
     !chi_buffer_reserve(exec, &keep->cells, blocks * (size_t)m->cells_y * cells + 1, 1) ||
     !chi_buffer_reserve(exec, &keep->last_slab, bands * segments, 2 * sizeof(int64_t)) ||
     !chi_buffer_reserve(exec, &keep->live,
@@ -228,15 +244,16 @@ static chi_status reserve(march* m)
     !chi_buffer_reserve(exec, &keep->done, blocks * bands + 1, 1) ||
     !chi_buffer_reserve(exec, &keep->order, blocks * bands + 1, 2 * sizeof(int64_t)) ||
     !chi_buffer_reserve(exec, &keep->reach, slabs + 1, sizeof(double)) ||
-    !chi_buffer_reserve(exec, &keep->steps, slabs + 1, sizeof(light_step)) ||
+    !chi_buffer_reserve(exec, &keep->steps, slabs * directions + 1, step_bytes) ||
     !chi_buffer_reserve(exec, &keep->ranges, light_rows * segments, 4 * sizeof(float)) ||
     (s->channels > 1 &&
-      !chi_buffer_reserve(exec, &keep->tint, TINT_PLANES * m->plane + 64, sizeof(float))))
+      !chi_buffer_reserve(exec, &keep->tint, channels * m->plane + 64, sizeof(float))))
   {
     return CHI_ERROR_OUT_OF_MEMORY;
   }
   m->planes = (float*)keep->planes.data;
   m->scratch = (float*)keep->scratch.data;
+  m->band_rows = m->scratch + scratch;
   m->cells = (uint8_t*)keep->cells.data;
   m->last_slab = (int64_t(*)[2])keep->last_slab.data;
   m->live = (uint8_t*)keep->live.data;
@@ -248,7 +265,8 @@ static chi_status reserve(march* m)
   m->done = (atomic_uchar*)keep->done.data;
   m->order = (int64_t*)keep->order.data;
   m->reach = (double*)keep->reach.data;
-  m->steps = (light_step*)keep->steps.data;
+  m->step_offset = (ptrdiff_t*)keep->steps.data;
+  m->step_weight = (float(*)[4])(void*)(m->step_offset + slabs * directions);
   m->ranges = (float*)keep->ranges.data;
   m->tint = (float*)keep->tint.data;
   memset(keep->done.data, 0, blocks * bands);
@@ -264,6 +282,7 @@ static chi_status reserve(march* m)
 static void clear_rows(void* data, size_t begin, size_t end)
 {
   const march* const m = (const march*)data;
+  const size_t height = (size_t)m->scene->height;
   for (size_t y = begin; y < end; ++y)
   {
     for (int c = 0; c < 3; ++c)
@@ -273,9 +292,9 @@ static void clear_rows(void* data, size_t begin, size_t end)
     memset(picture(m, TAU, (int64_t)y), 0, m->stride * sizeof(float));
     memset(picture(m, TAU_OTHER, (int64_t)y), 0, m->stride * sizeof(float));
     chi_fill_ones(picture(m, TRANSMITTANCE, (int64_t)y), (int)m->stride);
-    for (int c = 0; c < m->scene->channels; ++c)
+    for (int c = 0; c < m->scene->channels && m->frame->surface && y < height; ++c)
     {
-      chi_fill_ones(surface_visibility(m, c, (int64_t)y), (int)m->stride);
+      chi_fill_ones(surface_visibility(m, c, (int64_t)y), m->scene->width);
     }
   }
 }
@@ -374,8 +393,8 @@ static void plan_layout(march* m)
   const chi_scene* const s = m->scene;
   double columns, rows;
   widest_step(s, &columns, &rows);
-  m->stride = round_up((size_t)s->width + CHI_CELL_WIDTH, 64);
-  m->rows = round_up((size_t)s->height, (size_t)s->scale);
+  m->stride = row_stride(s);
+  m->rows = row_count(s);
   m->plane = m->rows * m->stride;
   m->cells_x = (s->width - 1) / CHI_CELL_WIDTH + 1;
   m->cells_y = (int)((m->rows - 1) / CHI_CELL_HEIGHT) + 1;

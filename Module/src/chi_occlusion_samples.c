@@ -8,8 +8,8 @@
 #include <string.h>
 
 /* Visibility of a run of pixels at a slice, or NULL where all of it is 1. */
-static const float* run_visibility(
-  const march* m, int channel, int64_t slab, double slices, int64_t y, int x_begin, int x_end)
+static const float* run_visibility(const march* m, int channel, int64_t slab, double slices,
+  int64_t y, int x_begin, int x_end, float* out)
 {
   const chi_scene* const s = m->scene;
   const chi_light_field* const f = &m->keep->field[0][channel];
@@ -68,7 +68,6 @@ static const float* run_visibility(
   {
     return NULL;
   }
-  float* const out = row_visibility(m, channel, y);
   m->kernels->enlarge(source, weight, count, base, s->scale, x_begin, x_end, out);
   return out;
 }
@@ -120,13 +119,13 @@ static void find_crossings(
   }
 }
 
-void chi_march_sample_row(
-  march* m, int64_t slab, int64_t y, const uint8_t* need, chi_sample_row* row)
+void chi_march_sample_row(march* m, int64_t slab, int64_t y, int band, chi_sample_row* row)
 {
   const chi_scene* const s = m->scene;
   const int64_t block = slab / m->block;
   const uint8_t* const cells = m->cells + (block * m->cells_y + y / CHI_CELL_HEIGHT) * m->cells_x;
   const uint8_t* const live = m->live_row + y * m->cells_x;
+  const uint8_t* const need = m->need + (int64_t)band * m->segments;
   int64_t* const sampled = m->sampled + y * m->cells_x;
   uint8_t* const flags = m->tau_flag + y / s->scale * m->segments;
   const int width = (s->width + CHI_CELL_WIDTH - 1) / CHI_CELL_WIDTH * CHI_CELL_WIDTH;
@@ -176,7 +175,8 @@ void chi_march_sample_row(
       const float* visibility[3] = { NULL, NULL, NULL };
       for (int c = 0; c < s->channels && live[cx] == RAYS_LIVE; ++c)
       {
-        visibility[c] = run_visibility(m, c, slab, (double)segment, y, x0, x1);
+        visibility[c] =
+          run_visibility(m, c, slab, (double)segment, y, x0, x1, row_visibility(m, c, band));
       }
       row->visibility = visibility[0];
       for (int c = 0; c < 3 && s->channels > 1; ++c)
@@ -185,8 +185,8 @@ void chi_march_sample_row(
       }
       row->any_tau = 0;
       const int layered = m->layers && chi_layers_before(m, row, y, cx, end);
-      float* const before = m->keep->crossing ? picture(m, ROW_VISIBILITY, y) : NULL;
-      if (before) /* there is no light then, and the plane is free */
+      float* const before = m->keep->crossing ? row_visibility(m, 0, band) : NULL;
+      if (before) /* there is no light then, and the row is free */
       {
         memcpy(before + x0, row->transmittance + x0, (size_t)(x1 - x0) * sizeof(float));
       }

@@ -2,8 +2,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 
 /*
- * The occlusion engine: run time against error of V on the judged scenes, and frames of
- * Marschner-Lobb with a moving camera.
+ * The occlusion engine: run time against error of V on the judged scenes in perspective, what the
+ * number of slices changes, and frames of Marschner-Lobb with a moving camera.
  *
  *   bench_occlusion [brain128.raw]        the file that scenes.py writes; without it, no brain
  *   bench_occlusion --frames              the moving frames alone, for a profile
@@ -12,7 +12,7 @@
  * occlusion_reference.h); times are of whole frames in which only the bias moves by nothing.
  */
 
-#include "occlusion_reference.h"
+#include "occlusion_bench_scenes.h"
 
 #include "chi_bench.h"
 
@@ -223,58 +223,6 @@ static void compare_slices(judged_scene* s, chi_bench_pool* p)
   free(d);
 }
 
-/* Marschner & Lobb 1994 on [-1, 1]^3, alpha 0.25, f_M 6, as 8 bits. */
-static uint8_t* marschner_lobb(int size)
-{
-  const double pi = 3.14159265358979324, step = 2.0 / (size - 1);
-  uint8_t* const out = malloc((size_t)size * (size_t)size * (size_t)size);
-  for (int k = 0; out && k < size; ++k)
-  {
-    for (int j = 0; j < size; ++j)
-    {
-      for (int i = 0; i < size; ++i)
-      {
-        const double x = i * step - 1, y = j * step - 1, z = k * step - 1;
-        const double rho = cos(2 * pi * 6 * cos(0.5 * pi * sqrt(x * x + y * y)));
-        const double value = (1 - sin(0.5 * pi * z) + 0.25 * (1 + rho)) / (2 * 1.25);
-        out[((size_t)k * (size_t)size + (size_t)j) * (size_t)size + (size_t)i] =
-          (uint8_t)(255 * value + 0.5);
-      }
-    }
-  }
-  return out;
-}
-
-/* Fog everywhere, or three thin shells: opacity a voxel over 256 entries. */
-static void frame_transfer(reference_frame* f, int shells)
-{
-  f->transfer.count = 256;
-  f->transfer.range[0] = 0;
-  f->transfer.range[1] = 255;
-  f->transfer.unit_distance = 1;
-  for (int i = 0; i < 256; ++i)
-  {
-    const int in_shell = abs(i - 90) <= 2 || abs(i - 128) <= 2 || abs(i - 166) <= 2;
-    f->opacity[i] = shells ? (in_shell ? 0.4f : 0) : 0.002f + 0.01f * (float)i / 255;
-    f->rgb[3 * i] = (float)i / 255;
-    f->rgb[3 * i + 1] = 0.6f;
-    f->rgb[3 * i + 2] = 1 - (float)i / 255;
-  }
-}
-
-/* ResetCamera, Azimuth 30, Elevation 20, Zoom 1.4, then one degree a frame. */
-static reference_view moving_view(int frame, int pixels)
-{
-  const double degree = 0.017453292519943295, side = 255;
-  const double center[3] = { 0.5 * side, 0.5 * side, 0.5 * side };
-  const double turn[2] = { 30.0 + frame, 20 };
-  const double radius = 0.5 * sqrt(3.0) * side, distance = radius / sin(15 * degree);
-  reference_view view =
-    reference_turned_view(center, distance, turn, 2 * distance * tan(15 / 1.4 * degree), pixels, 0);
-  view.camera.near_depth = distance - radius;
-  return view;
-}
-
 /* What the light's options cost. */
 typedef enum lighting
 {
@@ -314,30 +262,16 @@ static void time_moving(
     free(f);
     return;
   }
-  reference_view view = moving_view(0, 512);
-  reference_frame_init(f, NULL, &view, 1);
-  frame_transfer(f, shells);
-  f->volume = (chi_volume_view){ .struct_size = sizeof f->volume,
-    .scalars = scalars,
-    .type = CHI_U8,
-    .stride = 1,
-    .dimensions = { n, n, n },
-    .index_to_world = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1 },
-    .interpolation = CHI_LINEAR,
-    .version = 1 };
-  f->frame.volume = &f->volume;
-  f->frame.transfer = &f->transfer;
-  f->params.bias = -1;
+  bench_frame(f, scalars, 256, 512, shells ? BENCH_SHELLS : BENCH_FOG);
   f->params.directions = directions ? directions : 16;
   f->params.strength = directions ? 1 : 0;
   f->params.half_size = half;
-  f->params.sample_distance = 1;
   const char* const suffix = set_lighting(&f->params, option);
   double moving = INFINITY, still = INFINITY;
   chi_occlusion_stats stats = { 0 };
   for (int frame = 0; frame < 8; ++frame)
   {
-    f->camera = moving_view(frame, 512).camera;
+    f->camera = bench_moving_view(frame, 256, 512).camera;
     double t0 = chi_bench_now();
     if (chi_occlusion_render(&exec, engine, &f->frame) != CHI_OK)
     {
@@ -395,10 +329,13 @@ int main(int argc, char** argv)
     if (judge(
           &s, scenes[k].name, scenes[k].kind, argc > 1 ? argv[1] : NULL, scenes[k].angle_deg, &two))
     {
-      measure_scene(&s, &two);
-      if (s.view.camera.parallel)
+      if (s.view.camera.parallel) /* bench_occlusion_error measures these */
       {
         compare_slices(&s, &two);
+      }
+      else
+      {
+        measure_scene(&s, &two);
       }
     }
     else
@@ -407,7 +344,7 @@ int main(int argc, char** argv)
     }
     judged_free(&s);
   }
-  uint8_t* const scalars = marschner_lobb(256);
+  uint8_t* const scalars = bench_marschner_lobb(256);
   for (int shells = 0; scalars && shells < 2; ++shells)
   {
     for (int threads = 2; threads >= 1; --threads)

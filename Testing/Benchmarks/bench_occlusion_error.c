@@ -288,7 +288,8 @@ static void set_up(reference_frame* f, const judged_scene* s)
   reference_frame_init(f, &s->volume, &s->view, s->range);
   if (s->depth)
   {
-    f->surface = (chi_surface_view){ sizeof f->surface, s->depth, 1 };
+    f->surface =
+      (chi_surface_view){ .struct_size = sizeof f->surface, .depth = s->depth, .version = 1 };
     f->frame.surface = &f->surface;
   }
   f->params.cone_angle_rad = quarter;

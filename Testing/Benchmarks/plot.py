@@ -97,6 +97,67 @@ def coefficients_panel(axes, rows):
     axes.set_ylabel("distance to the true curve")
 
 
+def bars_panel(axes, rows):
+    """Bars of the error column, for benches whose error is a ratio that belongs to a name."""
+    names = [f"{r['method'].removeprefix('chi-').removeprefix('chi ')} {r['parameter']}" for r in rows]
+    values = [number(r["error"]) for r in rows]
+    axes.barh(range(len(rows)), values, color="tab:orange")
+    for place, (r, value) in enumerate(zip(rows, values)):
+        axes.annotate(f"{value:.3g}  ({number(r['min_ns']) * 1e-6:.0f} ms)", (value, place), fontsize=6, va="center",
+                      xytext=(3, 0), textcoords="offset points")
+    axes.set_yticks(range(len(rows)), names, fontsize=6)
+    axes.invert_yaxis()
+    axes.set_xlim(0, 1.35 * max(values))
+    axes.axvline(1, color="black", linewidth=0.7)
+    axes.set_xlabel(rows[0]["error_kind"])
+
+
+# bench occlusion_error: colour and marker of a method, whose last number is slices a voxel
+LIGHT = {"ordinates-full": "tab:blue", "ordinates-half": "tab:orange", "published-full": "tab:gray"}
+SLICES = {"1": "o-", "2": "s--", "4": "^:"}
+
+
+def curves_panel(axes, rows):
+    """Error over time, a curve a method, from few directions to many."""
+    for method in dict.fromkeys(r["method"] for r in rows):
+        mine = [r for r in rows if r["method"] == method]
+        if not number(mine[0]["min_ns"]) > 0:  # exact, of another geometry
+            axes.axhline(number(mine[0]["error"]), color="black", linewidth=0.8, linestyle="-.", label=method)
+            continue
+        kind, slices = method.removeprefix("chi-").rsplit("-", 1)
+        axes.plot([number(r["min_ns"]) * 1e-6 for r in mine], [number(r["error"]) for r in mine], SLICES[slices],
+                  color=LIGHT[kind], label=f"{kind}, {slices} a voxel", markersize=4, linewidth=1)
+        if slices == "1":
+            for r in mine:
+                axes.annotate(r["parameter"], (number(r["min_ns"]) * 1e-6, number(r["error"])), fontsize=6,
+                              xytext=(3, 3), textcoords="offset points")
+    logarithmic(axes)
+    axes.set_xlabel("time / ms (numbers: directions)", fontsize=8)
+    axes.set_ylabel(rows[0]["error_kind"])
+
+
+def by_kind(rows, picture):
+    """A column a scene, a row a kind of error."""
+    kinds = list(dict.fromkeys(r["error_kind"] for r in rows))
+    kinds.sort(key=lambda k: ("true" in k, "picture" in k))
+    cases = list(dict.fromkeys(r["case"] for r in rows))
+    for suffix, wanted in (("", [k for k in kinds if "true" not in k]), ("_true", [k for k in kinds if "true" in k])):
+        shown = [c for c in cases if any(r["case"] == c and r["error_kind"] in wanted for r in rows)]
+        if not shown:
+            continue
+        sheet, axes = plt.subplots(len(wanted), len(shown), figsize=(4.6 * len(shown), 3.4 * len(wanted)), squeeze=False)
+        for line, kind in zip(axes, wanted):
+            for axis, case in zip(line, shown):
+                curves_panel(axis, [r for r in rows if r["case"] == case and r["error_kind"] == kind])
+                axis.set_title(case, fontsize=9)
+                if axis is not axes[0, 0]:
+                    axis.get_legend().remove()
+        sheet.suptitle("occlusion: run time against error of visibility (dV) and of the final picture, full scale 1")
+        sheet.tight_layout(rect=(0, 0, 1, 0.985))
+        sheet.savefig(str(picture).replace(".png", f"{suffix}.png"), dpi=110)
+        plt.close(sheet)
+
+
 def figure(rows, panels, title, picture):
     cases = list(dict.fromkeys(r["case"] for r in rows))
     columns = min(3, len(cases))
@@ -118,7 +179,15 @@ def plot(table, picture):
         rows = list(csv.DictReader(source))
     if not any(number(r["min_ns"]) > 0 for r in rows):
         return  # nothing was timed
-    figure(rows, panel, f"{rows[0]['topic']}: run time against error", picture)
+    topic = rows[0]["topic"]
+    if topic == "occlusion_error":
+        by_kind(rows, picture)
+        return
+    ratios = {"occlusion_skip": "speedup", "occlusion_scaling": "ns_a_sample", "occlusion_table1": "time_over_volumetric"}
+    if topic in ratios:
+        figure([r for r in rows if r["error_kind"] == ratios[topic]], bars_panel, f"{topic}: {ratios[topic]}", picture)
+        return
+    figure(rows, panel, f"{topic}: run time against error", picture)
     counted = [r for r in rows if named(r, "turning") == named(r, "turning")]
     if counted:
         title = f"{rows[0]['topic']}: error against coefficients against turning"
