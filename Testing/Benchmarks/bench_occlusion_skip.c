@@ -20,7 +20,7 @@ enum
 {
   SIZE = 256,
   PIXELS = 512,
-  FRAMES = 3
+  FRAMES = 2
 };
 
 typedef struct kind
