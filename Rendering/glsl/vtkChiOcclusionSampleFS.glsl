@@ -220,11 +220,18 @@ void main()
       float stop = min(near + 1.0, leave);
       float fraction = max(stop - max(near, enter), 0.0);
       bool entering = enter >= near || (startsHere != 0 && i == 0);
+#if NEAREST
+      float place = 0.5 * (max(near, enter) + stop); // the middle's label is the segment's
+      float ahead = near - 0.5;
+#else
+      float place = stop;
+      float ahead = near;
+#endif
       if (!known && !entering)
       {
-        before = tablePosition(p + near * q);
+        before = tablePosition(p + ahead * q);
       }
-      float t = tablePosition(p + stop * q);
+      float t = tablePosition(p + place * q);
 #if NEAREST
       float t0 = -1.0; // samples are steps: nothing lies between two labels
 #else
