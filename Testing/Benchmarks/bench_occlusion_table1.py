@@ -15,7 +15,7 @@ import os
 import sys
 
 import numpy as np
-from bench_occlusion_vtk import FRAMES, N, THREADS, VOXEL, Run, classification, race
+from bench_occlusion_vtk import FRAMES, N, THREADS, Run, classification, peer, race
 from occlusion_scene import marschner_lobb
 from tube_lines import abc_flow, poly_data
 from vtkmodules.vtkCommonCore import vtkSMPTools
@@ -125,6 +125,7 @@ def measure(scene):
         "chi combined": scene.run(mapper()),
         "chi unshaded (volume alone)": scene.run(mapper(0.0), geometry=False),
         "chi volumetric (volume alone)": scene.run(mapper(vicinity=False), geometry=False),
+        "vtkGPUVolumeRayCastMapper (volume alone)": scene.run(peer(min(scene.data.GetSpacing())), geometry=False),
     }
     times = dict(zip(runs, race(list(runs.values()), FRAMES)))
     for name, nanoseconds in times.items():
