@@ -115,7 +115,8 @@ bool vtkChiTransferInput::Collect(vtkVolumeProperty* property, int function, vtk
   vtkPiecewiseFunction* gray =
     channels == 1 ? property->GetGrayTransferFunction(function) : nullptr;
   vtkColorTransferFunction* color = gray ? nullptr : property->GetRGBTransferFunction(function);
-  double unitDistance = property->GetScalarOpacityUnitDistance(function);
+  // as vtkGPUVolumeRayCastMapper does: of dependent components, that of the last one
+  double unitDistance = property->GetScalarOpacityUnitDistance(component);
   if (!(unitDistance > 0.0) || !std::isfinite(unitDistance))
   {
     this->Limit = "a scalar opacity unit distance of " + std::to_string(unitDistance) +

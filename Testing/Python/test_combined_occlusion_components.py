@@ -97,7 +97,7 @@ class Components(unittest.TestCase):
         self.assertGreater(b[inside].std(), 0.03)
         # as asked of shading: mean 1/255, 99 % 3/255
         self.assertLessEqual(d.mean(), 1.0)
-        self.assertLessEqual(np.percentile(d, 99), 3.0)
+        self.assertLessEqual(np.percentile(d, 99), 3.0 + 1e-6)  # whole steps, and rounding of float
 
     def test_independent_components_are_those_of_the_gpu_ray_caster(self):
         for count in (2, 3, 4):
@@ -124,11 +124,13 @@ class Components(unittest.TestCase):
     def test_two_dependent_components_are_colour_and_opacity(self):
         prop = property_of(1)
         prop.IndependentComponentsOff()
+        prop.SetScalarOpacityUnitDistance(1, 0.13)  # what VTK 9.2 reads, of the last component
         self.compare("2 dependent", interleaved(waves(2)), prop)
 
     def test_four_dependent_components_are_rgb_and_opacity(self):
         prop = property_of(1)
         prop.IndependentComponentsOff()
+        prop.SetScalarOpacityUnitDistance(3, 0.13)
         self.compare("4 dependent", interleaved(waves(4)), prop)
 
     def test_equal_components_of_one_dependent_pair_are_a_single_one(self):
@@ -136,6 +138,7 @@ class Components(unittest.TestCase):
         prop = property_of(1)
         single, _ = draw(ours(), interleaved(values), prop)
         prop.IndependentComponentsOff()
+        prop.SetScalarOpacityUnitDistance(1, prop.GetScalarOpacityUnitDistance(0))
         pair, _ = draw(ours(), interleaved(np.repeat(values, 2, axis=-1)), prop)
         # at a tenth of a voxel only the middle's place in the table differs: the mean of both ends, or
         # the scalar there
