@@ -281,7 +281,7 @@ CHI_INLINE void classify_piece(
     /* Samples of nearest interpolation are steps: nothing lies between two labels. */
     const vf t0 = nearest ? t : vf_select(known, t_before, t);
     const vf change = t - t0;
-    if (s->shade)
+    if (general && s->shade)
     {
       vf_store(piece->before + i, t0);
     }
@@ -663,14 +663,10 @@ CHI_INLINE void sample_run(chi_sample_row* row, int x_begin, int x_end, const in
   }
 }
 
-/* One body an input type and interpolation; general runs, which are slow anyhow, share one body. */
+/* One body an input type and interpolation. */
 CHI_INLINE void sample_fetch(chi_sample_row* row, int x_begin, int x_end, const int fetch)
 {
-  if (row->frame->general)
-  {
-    sample_run(row, x_begin, x_end, fetch, row->frame->nearest, 1);
-  }
-  else if (row->frame->nearest)
+  if (row->frame->nearest)
   {
     sample_run(row, x_begin, x_end, fetch, 1, 0);
   }
@@ -682,6 +678,11 @@ CHI_INLINE void sample_fetch(chi_sample_row* row, int x_begin, int x_end, const 
 
 static void sample(chi_sample_row* row, int x_begin, int x_end)
 {
+  if (row->frame->general) /* slow anyhow: one body, which branches at every fetch */
+  {
+    sample_run(row, x_begin, x_end, row->frame->fetch, row->frame->nearest, 1);
+    return;
+  }
   switch (row->frame->fetch)
   {
     case CHI_FETCH_U8:
