@@ -234,16 +234,26 @@ static int surface_is_valid(const chi_surface_view* s)
   return !s || (s->depth && !s->edge_depth == !s->edge_rgba);
 }
 
+/* Shading, gradients and labels are for one component (chi_components.h). */
+static int components_are_valid(const chi_occlusion_frame* frame)
+{
+  return !frame->volume || !frame->components ||
+    (chi_components_are_valid(frame->components, frame->volume) && !frame->shading &&
+      !frame->transfer->gradient_opacity && !frame->transfer->plane &&
+      !(frame->mask && frame->mask->table_of_value));
+}
+
 static chi_status check_frame(const chi_occlusion_frame* frame)
 {
   if (!frame || !camera_is_valid(frame->camera) || !params_are_valid(frame->params) ||
-    (frame->volume && !chi_transfer_is_valid(frame->transfer)) || !surface_is_valid(frame->surface) ||
-    !chi_layers_are_valid(frame->layers) || !chi_shading_is_valid(frame->shading) ||
-    frame->clip_plane_count > CHI_MAX_CLIP_PLANES ||
+    (frame->volume && !chi_transfer_is_valid(frame->transfer)) ||
+    !surface_is_valid(frame->surface) || !chi_layers_are_valid(frame->layers) ||
+    !chi_shading_is_valid(frame->shading) || frame->clip_plane_count > CHI_MAX_CLIP_PLANES ||
     (frame->clip_plane_count &&
       !(frame->clip_planes && all_finite(frame->clip_planes, 4 * (int)frame->clip_plane_count))) ||
-    (frame->crop && !all_finite(frame->crop->planes[0], 24)) ||
-    (frame->mask && !chi_mask_is_valid(frame->mask, frame->transfer ? frame->transfer->table_count : 1)) ||
+    (frame->crop && !all_finite(frame->crop->planes[0], 24)) || !components_are_valid(frame) ||
+    (frame->mask &&
+      !chi_mask_is_valid(frame->mask, frame->transfer ? frame->transfer->table_count : 1)) ||
     (frame->probes && frame->probes->count &&
       !(frame->probes->position && frame->probes->visibility)))
   {
@@ -444,7 +454,8 @@ static chi_status prepare_volume(
   o->stats.seconds_bricks = t1 - t0;
   const int reach = dilation(scene);
   const mask_key masked = key_of_mask(frame->mask, frame->volume, reach);
-  if (status == CHI_OK && !(o->has_classification && memcmp(&masked, &o->masked, sizeof masked) == 0))
+  if (status == CHI_OK &&
+    !(o->has_classification && memcmp(&masked, &o->masked, sizeof masked) == 0))
   {
     o->has_classification = o->has_frame = 0;
     status = chi_mask_build(exec, &o->mask, &o->bricks, frame->volume, frame->mask, reach);
@@ -679,9 +690,17 @@ chi_status chi_occlusion_find_depth(const chi_exec* exec, chi_occlusion* o,
   }
   chi_scene scene;
   status = build_scene(&scene, &plain);
-  status = status == CHI_OK
-    ? chi_for(exec, (size_t)scene.width * (size_t)scene.height, clear_depths, depth)
-    : status;
+  const size_t pixels = status == CHI_OK ? (size_t)scene.width * (size_t)scene.height : 0;
+  status = status == CHI_OK ? chi_for(exec, pixels, clear_depths, depth) : status;
+  /* The march keeps its surfaces where the picture comes to lie; the last one stands, so it takes
+   * the memory of reduced pictures. */
+  if (status == CHI_OK && frame->surface &&
+    (!chi_buffer_reserve(
+       exec, &o->reduction.rgba, chi_march_picture_floats(&scene), sizeof(float)) ||
+      !chi_buffer_reserve(exec, &o->reduction.visibility, pixels, sizeof(float))))
+  {
+    status = CHI_ERROR_OUT_OF_MEMORY;
+  }
   if (status == CHI_OK && frame->volume)
   {
     status = prepare_volume(exec, o, &plain, &scene);
@@ -690,8 +709,9 @@ chi_status chi_occlusion_find_depth(const chi_exec* exec, chi_occlusion* o,
       chi_march_result result = { 0 };
       o->march.crossing = depth;
       o->march.crossing_transmittance = (float)(1 - alpha);
-      status = chi_march_run(
-        exec, &o->march, &scene, &o->bricks, &o->classification, &plain, NULL, NULL, &result);
+      status = chi_march_run(exec, &o->march, &scene, &o->bricks, &o->classification, &plain,
+        frame->surface ? (float*)o->reduction.rgba.data : NULL,
+        frame->surface ? (float*)o->reduction.visibility.data : NULL, &result);
       o->march.crossing = NULL;
     }
   }
