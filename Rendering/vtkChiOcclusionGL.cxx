@@ -19,6 +19,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 
 namespace
 {
@@ -385,12 +386,15 @@ void vtkChiOcclusionGL::DrawSamples(const chi_occlusion_plan& plan, std::int64_t
   chi_plan_slab rays;
   chi_occlusion_plan_slab(&plan, slab, &rays);
   const bool lit = rays.is_lit != 0;
+  const bool integrates = std::isfinite(plan.color_step);
   vtkShaderProgram* program = this->Pass.Use(vtkChiOcclusionSampleFS,
     std::string("#define VOLUME_SAMPLER ") + vtkChiOcclusionTextures::SamplerOf(plan.type) + "\n" +
       define("NEAREST", plan.nearest) + define("CLIPS", plan.clip_count) +
       define("HAS_SURFACE", plan.surface ? 1 : 0) + define("HAS_LIGHT", lit ? 1 : 0) +
       define("LIGHT_SCALE", plan.light_scale) + define("BRICK_EDGE", plan.brick_edge) +
       define("ENTRIES", static_cast<int>(plan.entries)) +
+      define("COLOR_PARTS", integrates ? plan.color_parts : 0) +
+      define("COLOR_STEPS", plan.color_steps) +
       define("TABLE_WIDTH", vtkChiOcclusionTextures::TABLE_WIDTH));
   if (!program)
   {
@@ -405,6 +409,15 @@ void vtkChiOcclusionGL::DrawSamples(const chi_occlusion_plan& plan, std::int64_t
   program->SetUniformi("useBricks", plan.use_bricks);
   program->SetUniform3f("tableScale", table);
   program->SetUniformf("quantum", plan.quantum);
+  if (integrates)
+  {
+    this->Pass.Read("colorSumTexture", this->Inputs.GetColorSums());
+    this->Pass.Read("colorMeanTexture", this->Inputs.GetColorMeans());
+    program->SetUniformf("colorStep", plan.color_step);
+    program->SetUniformf("colorWorth", plan.color_worth * plan.color_step);
+    program->SetUniformf("colorEven", static_cast<float>(plan.color_even) * plan.color_step);
+    program->SetUniformf("colorThin", plan.color_thin);
+  }
   program->SetUniform2f("firstPixel", rays.pixel);
   program->SetUniform3f("position", rays.position);
   program->SetUniform3f("positionX", rays.position_x);

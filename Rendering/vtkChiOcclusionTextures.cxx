@@ -125,6 +125,8 @@ bool vtkChiOcclusionTextures::UpdateTables(
   std::vector<std::int32_t> sums(width * height);
   std::vector<float> sigma(2 * width * height);
   std::vector<float> colors(4 * width * height);
+  std::vector<std::int32_t> colorSums(4 * width * height);
+  std::vector<float> colorMeans(4 * width * height);
   for (std::size_t i = 0; i < plan.entries; ++i)
   {
     sums[i] = plan.table[i].sum;
@@ -133,6 +135,8 @@ bool vtkChiOcclusionTextures::UpdateTables(
     for (std::size_t c = 0; c < 4; ++c)
     {
       colors[4 * i + c] = plan.rgba[i][c];
+      colorSums[4 * i + c] = plan.colors[i].sum[c];
+      colorMeans[4 * i + c] = plan.colors[i].rgb[c];
     }
   }
   return upload(this->Sums, window, { GL_R32I, GL_RED_INTEGER, VTK_INT, 1 }, width, height,
@@ -140,6 +144,10 @@ bool vtkChiOcclusionTextures::UpdateTables(
     upload(this->Sigma, window, { GL_RG32F, GL_RG, VTK_FLOAT, 2 }, width, height, sigma.data()) &&
     upload(
       this->Colors, window, { GL_RGBA32F, GL_RGBA, VTK_FLOAT, 4 }, width, height, colors.data()) &&
+    upload(this->ColorSums, window, { GL_RGBA32I, GL_RGBA_INTEGER, VTK_INT, 4 }, width, height,
+      colorSums.data()) &&
+    upload(this->ColorMeans, window, { GL_RGBA32F, GL_RGBA, VTK_FLOAT, 4 }, width, height,
+      colorMeans.data()) &&
     upload(this->Bricks, window, { GL_R8UI, GL_RED_INTEGER, VTK_UNSIGNED_CHAR, 1 }, plan.bricks,
       plan.occupied);
 }
@@ -164,7 +172,8 @@ bool vtkChiOcclusionTextures::UpdateSurfaces(
 void vtkChiOcclusionTextures::ReleaseGraphicsResources(vtkWindow* window)
 {
   for (vtkTextureObject* texture : { this->Volume.Get(), this->Bricks.Get(), this->Sums.Get(),
-         this->Sigma.Get(), this->Colors.Get(), this->Surface.Get(), this->SurfaceMore.Get() })
+         this->Sigma.Get(), this->Colors.Get(), this->ColorSums.Get(), this->ColorMeans.Get(),
+         this->Surface.Get(), this->SurfaceMore.Get() })
   {
     texture->ReleaseGraphicsResources(window);
   }

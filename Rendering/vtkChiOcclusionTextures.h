@@ -37,6 +37,8 @@ public:
   vtkTextureObject* GetSums() { return this->Sums; }
   vtkTextureObject* GetSigma() { return this->Sigma; }
   vtkTextureObject* GetColors() { return this->Colors; }
+  vtkTextureObject* GetColorSums() { return this->ColorSums; }
+  vtkTextureObject* GetColorMeans() { return this->ColorMeans; }
   vtkTextureObject* GetSurface() { return this->Surface; }
   vtkTextureObject* GetSurfaceMore() { return this->SurfaceMore; }
 
@@ -50,6 +52,8 @@ private:
   vtkNew<vtkTextureObject> Sums;
   vtkNew<vtkTextureObject> Sigma;
   vtkNew<vtkTextureObject> Colors;
+  vtkNew<vtkTextureObject> ColorSums;
+  vtkNew<vtkTextureObject> ColorMeans;
   vtkNew<vtkTextureObject> Surface;
   vtkNew<vtkTextureObject> SurfaceMore;
   std::uint64_t VolumeVersion = 0;

@@ -118,9 +118,7 @@ uint64_t chi_occlusion_features(const chi_occlusion_frame* frame)
         : 0) |
     (frame->volume && frame->transfer->plane ? (uint64_t)CHI_FEATURE_TRANSFER_PLANE : 0) |
     (frame->volume && is_masked(frame->mask) ? (uint64_t)CHI_FEATURE_MASK : 0) |
-    (frame->volume && frame->params->color_integration != CHI_COLOR_MIDDLE
-        ? (uint64_t)CHI_FEATURE_PREINTEGRATED
-        : 0) |
+    (chi_reduction_of(frame) > 1 ? (uint64_t)CHI_FEATURE_REDUCTION : 0) |
     (frame->volume && frame->components ? (uint64_t)CHI_FEATURE_COMPONENTS : 0) |
     (has_edges(frame->surface) ? (uint64_t)CHI_FEATURE_EDGES : 0) |
     (frame->volume && frame->shading ? (uint64_t)CHI_FEATURE_SHADING : 0) |
@@ -140,8 +138,8 @@ const char* chi_occlusion_feature_name(uint64_t feature)
       return "two-dimensional transfer functions";
     case CHI_FEATURE_MASK:
       return "masks, blanking and labels";
-    case CHI_FEATURE_PREINTEGRATED:
-      return "pre-integrated colour";
+    case CHI_FEATURE_REDUCTION:
+      return "pictures of fewer pixels, enlarged";
     case CHI_FEATURE_COMPONENTS:
       return "several components";
     case CHI_FEATURE_EDGES:
@@ -214,7 +212,7 @@ static void describe_scene(chi_occlusion_plan* plan, const chi_scene* s)
 }
 
 static void describe_volume(
-  chi_occlusion_plan* plan, const chi_bricks* bricks, const chi_classification* c)
+  chi_occlusion_plan* plan, const chi_bricks* bricks, const chi_classification* c, float color_step)
 {
   static const chi_type type[] = { CHI_U8, CHI_I16, CHI_U16, CHI_F32 }; /* by fetch */
   _Static_assert(sizeof(chi_plan_entry) == sizeof(chi_sigma_entry) &&
@@ -234,6 +232,16 @@ static void describe_volume(
   plan->table = (const chi_plan_entry*)c->sigma.data;
   plan->rgba = (const float(*)[4])c->rgba.data;
   plan->occupied = (const uint8_t*)c->occupied.data;
+  _Static_assert(sizeof(chi_plan_color) == sizeof(chi_color_entry) &&
+      offsetof(chi_plan_color, rgb) == offsetof(chi_color_entry, rgb),
+    "the plan hands out the kernels' table");
+  plan->colors = (const chi_plan_color*)c->colors.data;
+  plan->color_step = color_step;
+  plan->color_worth = CHI_COLOR_WORTH;
+  plan->color_thin = CHI_COLOR_THIN;
+  plan->color_parts = CHI_COLOR_PARTS;
+  plan->color_steps = CHI_COLOR_STEPS;
+  plan->color_even = CHI_COLOR_EVEN;
 }
 
 /* Jobs over blocks of slabs, and over rows of the picture. */
@@ -563,7 +571,8 @@ chi_status chi_plan_fill(const chi_exec* exec, chi_plan_keep* keep, const chi_sc
   chi_status status = CHI_OK;
   if (frame->volume)
   {
-    describe_volume(plan, bricks, classification);
+    describe_volume(
+      plan, bricks, classification, chi_march_color_step(scene, classification, frame->params));
     status = chi_for(exec, (slabs + BLOCK - 1) / BLOCK, find_samples, &job);
   }
   if (status == CHI_OK && frame->surface)

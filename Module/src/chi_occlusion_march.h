@@ -259,4 +259,8 @@ typedef struct light_counts
 void chi_march_light_band(
   march* m, int64_t slab, const int64_t rows[2], const uint8_t* need, light_counts* counts);
 
+/* Table entries a segment of this frame may cross before its middle's colour is too coarse. */
+float chi_march_color_step(const chi_scene* scene, const chi_classification* classification,
+  const chi_occlusion_params* params);
+
 #endif

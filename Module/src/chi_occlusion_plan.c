@@ -307,6 +307,14 @@ static double longest_ray(const chi_scene* s)
   return sqrt(1 + x * x + y * y);
 }
 
+float chi_march_color_step(
+  const chi_scene* s, const chi_classification* c, const chi_occlusion_params* params)
+{
+  return params->color_integration == CHI_COLOR_MIDDLE || c->tables > 1
+    ? INFINITY
+    : chi_classification_color_step(c, s->slice * longest_ray(s));
+}
+
 static chi_status set_sample_frame(march* m)
 {
   chi_sample_frame* const f = &m->sample;
@@ -345,9 +353,7 @@ static chi_status set_sample_frame(march* m)
   f->sigma = (const chi_sigma_entry*)c->sigma.data;
   f->rgba = (const float(*)[4])c->rgba.data;
   f->colors = (const chi_color_entry*)c->colors.data;
-  f->color_step = m->frame->params->color_integration == CHI_COLOR_MIDDLE || c->tables > 1
-    ? INFINITY
-    : chi_classification_color_step(c, m->scene->slice * longest_ray(m->scene));
+  f->color_step = chi_march_color_step(m->scene, c, m->frame->params);
   f->quantum = c->quantum;
   f->occupied = (const uint8_t*)c->occupied.data;
   f->brick_step_y = (int32_t)b->count[0];

@@ -56,7 +56,6 @@ int TestChiCombinedOcclusionEngines(int, char*[])
   vtkNew<Mapper> mapper;
   mapper->SetInputConnection(wavelet->GetOutputPort());
   mapper->SetNumberOfDirections(4);
-  mapper->SetColorIntegrationToMiddle(); // what the OpenGL engine has
   vtkNew<vtkPiecewiseFunction> opacity;
   opacity->AddPoint(37, 0.0);
   opacity->AddPoint(277, 0.4);

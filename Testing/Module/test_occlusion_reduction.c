@@ -3,7 +3,7 @@
 
 /* Faster frames of less quality, and the depth at which a volume becomes opaque. */
 
-#include <chiaroscuro/chi_occlusion.h>
+#include <chiaroscuro/chi_occlusion_plan.h>
 
 #include "chi_test.h"
 
@@ -364,6 +364,21 @@ static void finding_a_depth_leaves_the_picture_and_stops_at_surfaces(void)
   free_scene(s);
 }
 
+static void other_engines_are_told_of_the_reduction_alone(void)
+{
+  scene* const s = make_scene(1, 60, 60, 1);
+  CHECK(s->params.color_integration == CHI_COLOR_PREINTEGRATED);
+  CHECK(chi_occlusion_features(&s->frame) == 0);
+  s->params.coarsening = 2; /* a matter of where slices lie, which plans say */
+  CHECK(chi_occlusion_features(&s->frame) == 0);
+  for (int n = 0; n <= 4; ++n)
+  {
+    s->params.reduction = n;
+    CHECK(chi_occlusion_features(&s->frame) == (n > 1 ? CHI_FEATURE_REDUCTION : 0));
+  }
+  free_scene(s);
+}
+
 int main(void)
 {
   a_reduced_picture_is_as_bright_and_nearly_the_same();
@@ -373,5 +388,6 @@ int main(void)
   what_is_out_of_range_is_refused();
   the_depth_of_an_opacity_in_even_fog_is_exact();
   finding_a_depth_leaves_the_picture_and_stops_at_surfaces();
+  other_engines_are_told_of_the_reduction_alone();
   return chi_test_report();
 }

@@ -30,7 +30,7 @@ enum
   CHI_FEATURE_EDGES = 128,          /**< pixels that a surface covers in part */
   CHI_FEATURE_TRANSFER_PLANE = 256, /**< colour and opacity over two quantities */
   CHI_FEATURE_MASK = 512,           /**< masks, blanking, labels */
-  CHI_FEATURE_PREINTEGRATED = 1024, /**< colour that is not the middle scalar's */
+  CHI_FEATURE_REDUCTION = 1024,     /**< a smaller picture, enlarged */
   CHI_FEATURE_COMPONENTS = 2048
 };
 
@@ -61,6 +61,14 @@ typedef struct chi_plan_entry
   int32_t sum;
   float sigma, half_slope, reserved;
 } chi_plan_entry;
+
+/** Table of extinction times colour: its integral from 0 to entry i + f is quantum sum + rgb f
+ * (sigma + f half_slope), with chi_plan_entry's sigma. */
+typedef struct chi_plan_color
+{
+  int32_t sum[4]; /**< of each channel; the last is 0 */
+  float rgb[4];   /**< mean colour up to the next entry, weighted by extinction */
+} chi_plan_color;
 
 /** What light travels, and what blocks it. Field 0 reaches samples of the volume, surface_field
  * surfaces. */
@@ -149,6 +157,16 @@ typedef struct chi_occlusion_plan
   const chi_rect*
     receivers;     /**< [slabs] pixels whose surface lies between the planes g - 1 and g */
   chi_rect beyond; /**< pixels whose surface lies behind the last plane */
+
+  /* Colour between two scalars (theory/occlusion.md, Eq. 1a). A segment that crosses more than
+   * color_step entries, and that many times its weight for the eye more than color_worth
+   * color_step, has its colour integrated; others have that of their middle, rgba. */
+  const chi_plan_color* colors;     /**< [entries] */
+  float color_step;                 /**< infinite: never */
+  float color_worth;                /**< share of color_step */
+  float color_thin;                 /**< optical thickness that series are for */
+  int32_t color_parts, color_steps; /**< parts of a segment, and steps by which they are found */
+  int32_t color_even; /**< times color_step that a segment crosses at most with even parts */
 } chi_occlusion_plan;
 
 /** Samples of one slab: rays, and the light planes that they read. */

@@ -109,6 +109,16 @@ typedef struct chi_color_entry
   float rgb[4];   /* mean colour of the interval, weighted by extinction */
 } chi_color_entry;
 
+/* How the colour of a segment is integrated; the plan hands this out to other engines. */
+enum
+{
+  CHI_COLOR_PARTS = 4, /* of a segment, of equal weight for the eye */
+  CHI_COLOR_STEPS = 8, /* by which they are found */
+  CHI_COLOR_EVEN = 8   /* color_steps a segment may cross with parts that are even instead */
+};
+#define CHI_COLOR_WORTH 0.25f /* share of the bound that a colour must be worth to be integrated */
+#define CHI_COLOR_THIN 0.05f  /* optical thickness below which series stand for exponentials */
+
 struct chi_sample_frame;
 
 /* The components besides the row's own. */

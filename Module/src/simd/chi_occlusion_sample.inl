@@ -104,7 +104,7 @@ typedef struct sample_piece
 {
   float t[PIECE]; /* table position at the far slice; NaN: no sample */
   int32_t entry[PIECE];
-  float before[PIECE]; /* with gradients: table position at the near end */
+  float before[PIECE];   /* with gradients: table position at the near end */
   int32_t want[PIECE];   /* with cuts: something of the segment is left */
   float back[PIECE];     /* with cuts: where its sample lies, slices from the far one, <= 0 */
   float fraction[PIECE]; /* of the segment that lies in the box, less what is cut */
@@ -112,8 +112,8 @@ typedef struct sample_piece
   float depth[PIECE]; /* optical thickness along the view axis */
   int32_t color[PIECE];
   int32_t known[PIECE]; /* of several components: the near slice was sampled too */
-  float change[PIECE]; /* of the table position over the segment */
-  float rgb[3][PIECE]; /* colours: all of a general run, else those that are integrated */
+  float change[PIECE];  /* of the table position over the segment */
+  float rgb[3][PIECE];  /* colours: all of a general run, else those that are integrated */
   /* Segments whose colour is to be integrated: few, and rarely neighbours. */
   int32_t listed;
   int32_t list[PIECE + CHI_LANES];
@@ -255,9 +255,8 @@ CHI_INLINE void fetch_piece(chi_sample_row* row, sample_piece* piece, int x_begi
 }
 
 /* Mean extinction of every segment, and the optical thickness that it adds. */
-CHI_INLINE void classify_piece(
-  chi_sample_row* row, sample_piece* piece, int x_begin, int count, const int nearest,
-  const int general)
+CHI_INLINE void classify_piece(chi_sample_row* row, sample_piece* piece, int x_begin, int count,
+  const int nearest, const int general)
 {
   const chi_sample_frame* const s = row->frame;
   const vf nan = vf_set(NAN);
@@ -336,40 +335,35 @@ CHI_INLINE vf difference(const chi_sample_frame* s, vi sum1, vf rest1, vi sum0, 
   return vi_float((vi)((vu)sum1 - (vu)sum0)) * s->quantum + (rest1 - rest0);
 }
 
-enum
-{
-  COLOR_PARTS = 4, /* of a segment, of equal weight for the eye */
-  COLOR_STEPS = 8  /* by which they are found */
-};
-
 /* Where a segment is to be cut into parts of about equal weight: shares of its scalar interval. The
- * optical depth is known at COLOR_STEPS even steps, and taken as linear between. */
+ * optical depth is known at CHI_COLOR_STEPS even steps, and taken as linear between. */
 CHI_INLINE void place_cuts(
-  const chi_sample_frame* s, vf near, vf change, vf tau, vf share[COLOR_PARTS + 1])
+  const chi_sample_frame* s, vf near, vf change, vf tau, vf share[CHI_COLOR_PARTS + 1])
 {
   const vf zero = vf_set(0.0f), one = vf_set(1.0f), end = vf_set(s->table_end);
   int32_t at[CHI_LANES];
   vi first = vi_set(0);
-  vf rest0 = zero, depth[COLOR_STEPS + 1];
-  for (int k = 0; k <= COLOR_STEPS; ++k)
+  vf rest0 = zero, depth[CHI_COLOR_STEPS + 1];
+  for (int k = 0; k <= CHI_COLOR_STEPS; ++k)
   {
     vi sum;
-    const vf t = near + change * ((float)k / COLOR_STEPS);
+    const vf t = near + change * ((float)k / CHI_COLOR_STEPS);
     const vf rest = load_depth(s, vf_min(vf_max(t, zero), end), &sum, at);
     first = k ? first : sum;
     rest0 = k ? rest0 : rest;
     depth[k] = difference(s, sum, rest, first, rest0); /* falls where the scalar falls */
   }
-  const vf all = depth[COLOR_STEPS];
-  const vf known = vf_max(tau, vf_set(0.05f)); /* below, weight and optical depth are the same */
+  const vf all = depth[CHI_COLOR_STEPS];
+  const vf known =
+    vf_max(tau, vf_set(CHI_COLOR_THIN)); /* below, weight and optical depth are the same */
   const vf alpha = one - vf_exp_neg(-known);
   share[0] = zero;
-  share[COLOR_PARTS] = one;
-  for (int j = 1; j < COLOR_PARTS; ++j)
+  share[CHI_COLOR_PARTS] = one;
+  for (int j = 1; j < CHI_COLOR_PARTS; ++j)
   {
-    const vf wanted = all * (vf_log(one - alpha * ((float)j / COLOR_PARTS)) / -known);
+    const vf wanted = all * (vf_log(one - alpha * ((float)j / CHI_COLOR_PARTS)) / -known);
     vf sum = zero;
-    for (int k = 0; k < COLOR_STEPS; ++k)
+    for (int k = 0; k < CHI_COLOR_STEPS; ++k)
     {
       const vf here = depth[k + 1] - depth[k];
       const vi some = (here > zero) | (here < zero);
@@ -378,7 +372,7 @@ CHI_INLINE void place_cuts(
       const vf before = vf_select((wanted - depth[k]) * change > zero, one, zero);
       sum += vf_select(some, vf_min(vf_max(part, zero), one), before);
     }
-    share[j] = sum * (1.0f / COLOR_STEPS);
+    share[j] = sum * (1.0f / CHI_COLOR_STEPS);
   }
 }
 
@@ -392,21 +386,22 @@ CHI_INLINE void integrate_colors(
   const chi_sample_frame* s, vf near, vf change, vf thickness, vf out[3])
 {
   const vf zero = vf_set(0.0f), one = vf_set(1.0f), table_end = vf_set(s->table_end);
-  vf share[COLOR_PARTS + 1], depth[COLOR_PARTS], middle[COLOR_PARTS], color[COLOR_PARTS][3];
-  vi any[COLOR_PARTS];
+  vf share[CHI_COLOR_PARTS + 1], depth[CHI_COLOR_PARTS], middle[CHI_COLOR_PARTS],
+    color[CHI_COLOR_PARTS][3];
+  vi any[CHI_COLOR_PARTS];
   vi sum[2][4];
   vf rest[2][4], end = zero;
-  for (int k = 0; k <= COLOR_PARTS; ++k)
+  for (int k = 0; k <= CHI_COLOR_PARTS; ++k)
   {
-    share[k] = vf_set((float)k / COLOR_PARTS);
+    share[k] = vf_set((float)k / CHI_COLOR_PARTS);
   }
   /* Where the middle's colour is but a few times too coarse, even parts are fine enough. */
   const vf span = vf_max(change, -change);
-  if (vi_any(span > vf_set(8 * s->color_step)))
+  if (vi_any(span > vf_set(CHI_COLOR_EVEN * s->color_step)))
   {
     place_cuts(s, near, change, thickness, share);
   }
-  for (int k = 0; k <= COLOR_PARTS; ++k)
+  for (int k = 0; k <= CHI_COLOR_PARTS; ++k)
   {
     vi* const sums = sum[k & 1];
     vf* const rests = rest[k & 1];
@@ -444,13 +439,13 @@ CHI_INLINE void integrate_colors(
   }
   const vf scale = thickness / vf_max(end, vf_set(1e-30f));
   vf clear = one, total = zero, rgb[3] = { zero, zero, zero };
-  for (int k = 0; k < COLOR_PARTS; ++k)
+  for (int k = 0; k < CHI_COLOR_PARTS; ++k)
   {
-    const int before = k > 0 ? k - 1 : 0, after = k + 1 < COLOR_PARTS ? k + 1 : k;
+    const int before = k > 0 ? k - 1 : 0, after = k + 1 < CHI_COLOR_PARTS ? k + 1 : k;
     const vf d = depth[k] * scale;
     const vf e = vf_exp_neg(-d);
     /* 1 - e^-d and d / 2 - 1 + d / (e^d - 1) lose their digits where d is small */
-    const vi thin = d < 0.05f;
+    const vi thin = d < CHI_COLOR_THIN;
     const vf alpha = vf_select(thin, d * (1.0f - 0.5f * d * (1.0f - 0.33333333f * d)), one - e);
     const vf bend =
       vf_select(thin, d * d * (1.0f / 12), d * e / vf_max(one - e, vf_set(0.04f)) - one + 0.5f * d);
@@ -503,15 +498,16 @@ static __attribute__((noinline)) void integrate_listed(
   }
 }
 
-/* Put segments on the list whose middle's colour is too coarse; the mask of these. A ray crosses the
- * same values some 16 times at most, with errors of either sign: what is worth less than a quarter
- * of the bound is left. `seen` is the weight without occlusion, so that light changes no rule. */
+/* Put segments on the list whose middle's colour is too coarse; the mask of these. A ray crosses
+ * the same values some 16 times at most, with errors of either sign: what is worth less than a
+ * quarter of the bound is left. `seen` is the weight without occlusion, so that light changes no
+ * rule. */
 CHI_INLINE vi list_colors(
   const chi_sample_frame* s, sample_piece* piece, int i, vf tau, vf seen, vf weight)
 {
   const vf change = vf_load(piece->change + i), step = vf_set(s->color_step);
   const vf span = vf_max(change, -change);
-  const vi need = (span > step) & (span * seen > step * 0.25f);
+  const vi need = (span > step) & (span * seen > step * CHI_COLOR_WORTH);
   if (vi_any(need))
   {
     int32_t mask[CHI_LANES];
