@@ -83,9 +83,8 @@ struct vtkChiCombinedOcclusionVolumeMapper::Internals
     frame.crop = this->HasVolume ? this->Masks.GetCrop() : nullptr;
     frame.mask = this->HasVolume ? this->Masks.GetMask() : nullptr;
     frame.components = this->HasVolume ? this->Input.GetComponents() : nullptr;
-    frame.shading = this->HasVolume && !frame.components
-      ? this->Input.GetShading()->GetShading()
-      : nullptr;
+    frame.shading =
+      this->HasVolume && !frame.components ? this->Input.GetShading()->GetShading() : nullptr;
     return frame;
   }
 

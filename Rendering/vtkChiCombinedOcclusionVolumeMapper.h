@@ -24,9 +24,9 @@
  * highlights), nearest or linear interpolation; of the mapper up to 32 clipping planes, all
  * cropping regions and a mask, binary or of labels with transfer functions of their own; of the
  * input, blanked points and cells (vtkUniformGrid, ghost arrays): what is cut, masked or blanked
- * neither draws nor darkens. Blending is composite. Up to four independent components, each with its
- * functions and weight, and two or four dependent ones (colour and opacity; red, green, blue and
- * opacity, 8-bit or 0 to 1) are composed as vtkGPUVolumeRayCastMapper does; the opacity unit
+ * neither draws nor darkens. Blending is composite. Up to four independent components, each with
+ * its functions and weight, and two or four dependent ones (colour and opacity; red, green, blue
+ * and opacity, 8-bit or 0 to 1) are composed as vtkGPUVolumeRayCastMapper does; the opacity unit
  * distance of dependent ones is that of the last component, as there.
  *
  * <b>What is not supported yet</b> is named in a warning, once for each cause, and the picture is

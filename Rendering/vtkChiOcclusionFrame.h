@@ -76,8 +76,8 @@ private:
 
   struct Layer
   {
-    vtkVolume* Volume = nullptr; // compared, never used
-    std::vector<float> Rgba;     // empty: nothing but geometry, or not kept
+    vtkVolume* Volume = nullptr;   // compared, never used
+    std::vector<float> Rgba;       // empty: nothing but geometry, or not kept
     std::vector<float> Visibility; // one value a pixel, or three
     chi_camera Camera = {};
     double EyeToIndex[16] = {};

@@ -104,9 +104,9 @@ static double place_ordinates(chi_scene* scene, const chi_light* light, int coun
 }
 
 /* Taps of the published rule: a uniform disc of radius d tan(theta), slopes a unit depth. Under a
- * tilted light its middle moves with the axis, as in the directional occlusion of Solteszova, Patel,
- * Bruckner & Viola, "A Multidirectional Occlusion Shading Model for Direct Volume Rendering", 2010,
- * section 3 (theirs is the ellipse in which the cone meets the slice). */
+ * tilted light its middle moves with the axis, as in the directional occlusion of Solteszova,
+ * Patel, Bruckner & Viola, "A Multidirectional Occlusion Shading Model for Direct Volume
+ * Rendering", 2010, section 3 (theirs is the ellipse in which the cone meets the slice). */
 static double place_taps(chi_scene* scene, const chi_light* light, int count)
 {
   double lengths = 0;

@@ -79,10 +79,10 @@ typedef struct chi_mask
 /* Stage 2: what the transfer function makes of scalars, and which bricks it leaves visible. */
 typedef struct chi_classification
 {
-  chi_buffer sigma; /* chi_sigma_entry [entries] */
-  chi_buffer rgba;  /* float [entries][4] */
+  chi_buffer sigma;  /* chi_sigma_entry [entries] */
+  chi_buffer rgba;   /* float [entries][4] */
   chi_buffer colors; /* chi_color_entry [entries] */
-  size_t entries; /* of all tables */
+  size_t entries;    /* of all tables */
   size_t tables, table_entries;
   float quantum, base, scale, offset; /* see chi_sample_frame */
   chi_buffer visible_before; /* uint32 [entries + 1]: entries before that are not transparent */

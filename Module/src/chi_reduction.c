@@ -32,7 +32,8 @@ int chi_reduction_of(const chi_occlusion_frame* frame)
   return n < 1 || frame->probes ? 1 : n; /* probes name pixels of the full picture */
 }
 
-/* Where the ray ends. What covers a pixel in part is left out: enlarged, it would cover them all. */
+/* Where the ray ends. What covers a pixel in part is left out: enlarged, it would cover them all.
+ */
 static float surface_depth(const chi_occlusion_frame* frame, size_t pixel)
 {
   const float* const depth = frame->surface->end ? frame->surface->end : frame->surface->depth;

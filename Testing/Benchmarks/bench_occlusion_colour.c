@@ -2,18 +2,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 
 /*
- * Colour between slices: run time against the error of the picture, by rule and by slices a voxel, on
- * ramps through a thin Gaussian peak of opacity (sigma 1/200 of the range, optical depth 3 a voxel)
- * whose colours turn 40 times over the range. Prints CSV; errors are of 255, against the exact
- * integral over the transfer function, which on a ramp is known; the parameter is slices a voxel.
+ * Colour between slices: run time against the error of the picture, by rule and by slices a voxel,
+ * on ramps through a thin Gaussian peak of opacity (sigma 1/200 of the range, optical depth 3 a
+ * voxel) whose colours turn 40 times over the range. Prints CSV; errors are of 255, against the
+ * exact integral over the transfer function, which on a ramp is known; the parameter is slices a
+ * voxel.
  */
 
 #include "occlusion_ramp.h"
 
 #include "chi_bench.h"
 
-static void measure(chi_occlusion* engine, const ramp_scene* r, int rule, int slices,
-  const double exact[4])
+static void measure(
+  chi_occlusion* engine, const ramp_scene* r, int rule, int slices, const double exact[4])
 {
   double best = INFINITY, error[2];
   chi_occlusion_image image = { 0 };

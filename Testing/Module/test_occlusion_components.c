@@ -333,8 +333,7 @@ static void what_makes_no_sense_is_refused(void)
   {                                                                                                \
     const component_scene keep = *s;                                                               \
     s->member = wrong;                                                                             \
-    CHECK(                                                                                         \
-      chi_occlusion_render(NULL, s->engine, &s->frame.frame) == CHI_ERROR_INVALID_ARGUMENT);       \
+    CHECK(chi_occlusion_render(NULL, s->engine, &s->frame.frame) == CHI_ERROR_INVALID_ARGUMENT);   \
     s->components = keep.components;                                                               \
     s->frame.volume = keep.frame.volume;                                                           \
   } while (0)

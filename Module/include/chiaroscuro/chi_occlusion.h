@@ -78,8 +78,9 @@ enum
 /** Colour of the segment of a ray between two slices. */
 enum
 {
-  CHI_COLOR_PREINTEGRATED = 0, /**< what the eye gets of the transfer function between both scalars */
-  CHI_COLOR_MIDDLE = 1         /**< that of the middle scalar */
+  CHI_COLOR_PREINTEGRATED =
+    0,                 /**< what the eye gets of the transfer function between both scalars */
+  CHI_COLOR_MIDDLE = 1 /**< that of the middle scalar */
 };
 
 typedef struct chi_occlusion_params
@@ -129,8 +130,8 @@ typedef struct chi_occlusion_params
    * buffers for each factor that differs. Probes read the red light. */
   double attenuation[3];
   int32_t colored_attenuation;
-  int32_t color_integration; /**< CHI_COLOR_...; default pre-integrated. Extinction is pre-integrated
-                                  with either */
+  int32_t color_integration; /**< CHI_COLOR_...; default pre-integrated. Extinction is
+                                pre-integrated with either */
   double coarsening; /**< slices so many times as far apart as sample_distance or a voxel says, 1
                         ... 64; 0 = 1 (default) */
 } chi_occlusion_params;
@@ -161,8 +162,8 @@ typedef struct chi_occlusion_frame
   size_t clip_plane_count;       /**< 0 ... CHI_MAX_CLIP_PLANES */
   const chi_layers_view* layers; /**< NULL: no translucent geometry */
   const chi_crop_view* crop; /**< NULL: no regions are cropped; applies besides the clip planes */
-  const chi_shading_view* shading; /**< NULL: the table's colours as they are */
-  const chi_mask_view* mask; /**< NULL: nothing is masked */
+  const chi_shading_view* shading;  /**< NULL: the table's colours as they are */
+  const chi_mask_view* mask;        /**< NULL: nothing is masked */
   const chi_components* components; /**< NULL: one component */
 } chi_occlusion_frame;
 

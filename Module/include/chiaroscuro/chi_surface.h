@@ -33,7 +33,8 @@ enum
 };
 
 /** Translucent geometry per pixel, layer by layer, borrowed. It neither blocks light nor ends rays:
- * each layer is blended where its depth lies in the volume, and receives light as a surface does. */
+ * each layer is blended where its depth lies in the volume, and receives light as a surface does.
+ */
 typedef struct chi_layers_view
 {
   size_t struct_size;

@@ -41,8 +41,8 @@ typedef struct chi_transfer_view
   double plane_range[2];  /**< y; plane_range[0] < plane_range[1] */
   const float* y_samples; /**< as many as the volume's, in their order; NULL: the gradient.
                                What is not finite makes its cells transparent */
-  size_t table_count;   /**< of tables one after the other, [table_count x count], one a label of
-                             chi_mask_view; 0 or 1: one; count x table_count <= 2^22 */
+  size_t table_count;     /**< of tables one after the other, [table_count x count], one a label of
+                               chi_mask_view; 0 or 1: one; count x table_count <= 2^22 */
 } chi_transfer_view;
 
 #ifdef __cplusplus

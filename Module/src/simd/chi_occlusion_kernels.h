@@ -43,8 +43,8 @@ typedef struct chi_sigma_entry
   float pad;
 } chi_sigma_entry;
 
-/* One bit a cell: what lies in it stays. Cell (i, j, k) holds the index positions that are (i, j, k)
- * after adding `offset` and rounding down. */
+/* One bit a cell: what lies in it stays. Cell (i, j, k) holds the index positions that are (i, j,
+ * k) after adding `offset` and rounding down. */
 typedef struct chi_keep_grid
 {
   const uint32_t* bits; /* cell n = i + step_y j + step_z k: bit n & 31 of word n >> 5 */
@@ -64,8 +64,8 @@ typedef struct chi_cut
   int grids; /* a point must stay in all of them */
   chi_keep_grid grid[CHI_KEEP_GRIDS];
   const uint8_t* whole; /* [bricks]: nothing is masked within a step of the brick */
-  uint32_t regions;  /* that stay, bit x + 3 y + 9 z; 0x7ffffff: all */
-  float plane[6][4]; /* index space: low x, high x, low y, ... */
+  uint32_t regions;     /* that stay, bit x + 3 y + 9 z; 0x7ffffff: all */
+  float plane[6][4];    /* index space: low x, high x, low y, ... */
 } chi_cut;
 /* chi_shading_light as the kernels read it: colours times the material's share, direction of unit
  * length.
@@ -116,7 +116,8 @@ enum
   CHI_COLOR_STEPS = 8, /* by which they are found */
   CHI_COLOR_EVEN = 8   /* color_steps a segment may cross with parts that are even instead */
 };
-#define CHI_COLOR_WORTH 0.25f /* share of the bound that a colour must be worth to be integrated */
+#define CHI_COLOR_WORTH 0.25f /* share of the bound that a colour must be worth to be integrated   \
+                               */
 #define CHI_COLOR_THIN 0.05f  /* optical thickness below which series stand for exponentials */
 
 struct chi_sample_frame;
@@ -155,9 +156,9 @@ typedef struct chi_sample_frame
   const uint8_t* occupied; /* bricks of 8^3 cells, padded by four bytes */
   int32_t brick_step_y, brick_step_z;
   chi_cut cut;
-  float slice;                  /* world distance between slices */
-  float saturated;              /* transmittance below which a ray is done */
-  const chi_shade_frame* shade; /* NULL: no gradients are needed; else `general` is set */
+  float slice;                           /* world distance between slices */
+  float saturated;                       /* transmittance below which a ray is done */
+  const chi_shade_frame* shade;          /* NULL: no gradients are needed; else `general` is set */
   const chi_component_frame* components; /* NULL: one */
 } chi_sample_frame;
 

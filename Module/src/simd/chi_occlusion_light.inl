@@ -174,8 +174,8 @@ static void halve(
 
 /* Path length a unit depth of every direction at the first of `count` pixels, and its mean change a
  * pixel: a light ray through a pixel of slope p has the slope p - s. The line goes through the
- * length at Gauss's two points, so that its mean error over the pixels vanishes; through the ends it
- * would lie above the convex length everywhere, and darken. */
+ * length at Gauss's two points, so that its mean error over the pixels vanishes; through the ends
+ * it would lie above the convex length everywhere, and darken. */
 static void path_lengths(const float* slope_x, const float* slope_y, int directions, float px,
   float py, float px_step, int count, float* length, float* length_x)
 {
