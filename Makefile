@@ -41,8 +41,8 @@ demo: build data
 	PYTHONPATH=$(SITE) $(DISPLAYED) $(PYTHON) Examples/Python/demo.py build/data build/demo
 
 test: build sanitize data
-	cd build/sanitize && $(CTEST)
-	cd $(BUILD) && $(DISPLAYED) $(CTEST)
+	cd build/sanitize && $(CTEST) -j $(JOBS)
+	cd $(BUILD) && $(DISPLAYED) $(CTEST) -j 2
 
 bench: build data
 	@mkdir -p build/bench
