@@ -5,6 +5,8 @@
 
 #include <chiaroscuro/chi.h>
 
+#include <string.h>
+
 /* Scratch from the host. NULL when refused, when count is 0, or when count * size overflows. */
 void* chi_alloc(const chi_exec* exec, size_t count, size_t size);
 void chi_free(const chi_exec* exec, void* block, size_t count, size_t size);
@@ -19,5 +21,33 @@ int chi_array_is_valid(const chi_array_view* view);
 /* Offsets ordered, ids in range; reads all of both, so call it once an entry. */
 int chi_lines_are_valid(const chi_lines_view* lines);
 void chi_view_get(const chi_vec3_view* view, size_t i, double x[3]);
+
+/* A number of any type, as a double: its sign and its integers up to 2^53 are exact. */
+static inline double chi_number_at(const void* at, chi_type type)
+{
+#define CHI_CASE(code, ctype)                                                                      \
+  case code:                                                                                       \
+  {                                                                                                \
+    ctype x;                                                                                       \
+    memcpy(&x, at, sizeof x);                                                                      \
+    return (double)x;                                                                              \
+  }
+  switch (type)
+  {
+    CHI_CASE(CHI_F32, float)
+    CHI_CASE(CHI_F64, double)
+    CHI_CASE(CHI_I8, int8_t)
+    CHI_CASE(CHI_U8, uint8_t)
+    CHI_CASE(CHI_I16, int16_t)
+    CHI_CASE(CHI_U16, uint16_t)
+    CHI_CASE(CHI_I32, int32_t)
+    CHI_CASE(CHI_U32, uint32_t)
+    CHI_CASE(CHI_I64, int64_t)
+    CHI_CASE(CHI_U64, uint64_t)
+    default:
+      return 0;
+  }
+#undef CHI_CASE
+}
 
 #endif

@@ -67,33 +67,9 @@ int chi_mask_is_valid(const chi_mask_view* v, size_t tables)
   return !v->values || (size && v->stride >= size);
 }
 
-/* A value of any type, as a double: its sign and its integers up to 2^53 are exact. */
 static double value_at(const chi_mask_view* v, size_t i)
 {
-  const char* const at = (const char*)v->values + i * v->stride;
-#define CHI_CASE(code, ctype)                                                                      \
-  case code:                                                                                       \
-  {                                                                                                \
-    ctype x;                                                                                       \
-    memcpy(&x, at, sizeof x);                                                                      \
-    return (double)x;                                                                              \
-  }
-  switch (v->type)
-  {
-    CHI_CASE(CHI_F32, float)
-    CHI_CASE(CHI_F64, double)
-    CHI_CASE(CHI_I8, int8_t)
-    CHI_CASE(CHI_U8, uint8_t)
-    CHI_CASE(CHI_I16, int16_t)
-    CHI_CASE(CHI_U16, uint16_t)
-    CHI_CASE(CHI_I32, int32_t)
-    CHI_CASE(CHI_U32, uint32_t)
-    CHI_CASE(CHI_I64, int64_t)
-    CHI_CASE(CHI_U64, uint64_t)
-    default:
-      return 0;
-  }
-#undef CHI_CASE
+  return chi_number_at((const char*)v->values + i * v->stride, v->type);
 }
 
 typedef struct keep_job

@@ -499,6 +499,17 @@ static chi_status build_scene(chi_scene* scene, const chi_occlusion_frame* frame
   return chi_scene_build(scene, frame, extent[0], extent[1]);
 }
 
+/* What both engines count of a scene. */
+static void start_stats(chi_occlusion_stats* stats, const chi_scene* scene)
+{
+  *stats = (chi_occlusion_stats){ .struct_size = sizeof *stats };
+  stats->sample_distance = scene->volume_end > scene->volume_begin ? scene->slice : 0;
+  for (int k = 0; k < scene->lights; ++k)
+  {
+    stats->moved_lights += scene->light[k].moved;
+  }
+}
+
 chi_status chi_occlusion_render(
   const chi_exec* exec, chi_occlusion* o, const chi_occlusion_frame* frame)
 {
@@ -525,12 +536,7 @@ chi_status chi_occlusion_render(
   {
     return status;
   }
-  o->stats = (chi_occlusion_stats){ .struct_size = sizeof o->stats };
-  o->stats.sample_distance = scene.volume_end > scene.volume_begin ? scene.slice : 0;
-  for (int k = 0; k < scene.lights; ++k)
-  {
-    o->stats.moved_lights += scene.light[k].moved;
-  }
+  start_stats(&o->stats, &scene);
   if (frame->volume)
   {
     status = prepare_volume(exec, o, frame, &scene);
@@ -607,20 +613,13 @@ chi_status chi_occlusion_describe(const chi_exec* exec, chi_occlusion* o,
     return status;
   }
   const double t0 = chi_seconds();
-  double extent[2];
-  surface_extent(frame, extent);
   chi_scene scene;
-  memset(&scene, 0, sizeof scene);
-  status = chi_scene_build(&scene, frame, extent[0], extent[1]);
+  status = build_scene(&scene, frame);
   if (status != CHI_OK)
   {
     return status;
   }
-  o->stats = (chi_occlusion_stats){ .struct_size = sizeof o->stats };
-  for (int light = 0; light < scene.lights; ++light)
-  {
-    o->stats.moved_lights += scene.light[light].moved;
-  }
+  start_stats(&o->stats, &scene);
   if (frame->volume)
   {
     status = prepare_volume(exec, o, frame, &scene);
@@ -650,7 +649,6 @@ chi_status chi_occlusion_describe(const chi_exec* exec, chi_occlusion* o,
   }
   o->stats.slices = (scene.volume_end - scene.volume_begin) * scene.group;
   o->stats.light_slices = scene.slabs;
-  o->stats.sample_distance = scene.volume_end > scene.volume_begin ? scene.slice : 0;
   o->stats.seconds_total = chi_seconds() - t0;
   return status;
 }

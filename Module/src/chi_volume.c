@@ -51,30 +51,7 @@ typedef struct brick_job
 
 static double scalar_at(const chi_volume_view* v, size_t i)
 {
-  const char* const at = (const char*)v->scalars + i * v->stride;
-#define CHI_CASE(code, ctype)                                                                      \
-  case code:                                                                                       \
-  {                                                                                                \
-    ctype x;                                                                                       \
-    memcpy(&x, at, sizeof x);                                                                      \
-    return (double)x;                                                                              \
-  }
-  switch (v->type)
-  {
-    CHI_CASE(CHI_F32, float)
-    CHI_CASE(CHI_F64, double)
-    CHI_CASE(CHI_I8, int8_t)
-    CHI_CASE(CHI_U8, uint8_t)
-    CHI_CASE(CHI_I16, int16_t)
-    CHI_CASE(CHI_U16, uint16_t)
-    CHI_CASE(CHI_I32, int32_t)
-    CHI_CASE(CHI_U32, uint32_t)
-    CHI_CASE(CHI_I64, int64_t)
-    CHI_CASE(CHI_U64, uint64_t)
-    default:
-      return 0;
-  }
-#undef CHI_CASE
+  return chi_number_at((const char*)v->scalars + i * v->stride, v->type);
 }
 
 /* Finite extremes and non-finite count of whole layers of samples, for the scale of the copy. */
