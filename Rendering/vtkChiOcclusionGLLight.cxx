@@ -1,0 +1,210 @@
+// SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+// SPDX-License-Identifier: BSD-3-Clause
+// The OpenGL engine's light: its way through the slabs, and what surfaces take of it.
+#include "vtkChiOcclusionGL.h"
+
+#include "vtkChiOcclusionGLTools.h"
+#include "vtkChiOcclusionLightFS.h"
+#include "vtkChiOcclusionReceiveFS.h"
+#include "vtkChiOcclusionVicinityFS.h"
+
+#include "vtkShaderProgram.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+using namespace vtkChiOcclusionGLTools;
+
+namespace
+{
+// Slopes and weights of a batch of directions; 0 for those that are not there.
+void setDirections(vtkShaderProgram* program, const chi_occlusion_plan& plan, int batch)
+{
+  float direction[BATCH][2] = {};
+  float share[BATCH] = {};
+  for (int k = 0; k < BATCH && batch * BATCH + k < plan.directions; ++k)
+  {
+    const int m = batch * BATCH + k;
+    direction[k][0] = plan.direction[m][0];
+    direction[k][1] = plan.direction[m][1];
+    share[k] = plan.share[m];
+  }
+  program->SetUniform2fv("direction", BATCH, direction);
+  program->SetUniform4fv("share", BATCH / FOUR, share);
+}
+
+int targetsOf(const chi_occlusion_plan& plan, int batch)
+{
+  return (std::min(plan.directions - batch * BATCH, BATCH) - 1) / FOUR + 1;
+}
+
+const char* const lightNames[] = { "lightTexture0", "lightTexture1", "lightTexture2",
+  "lightTexture3" };
+}
+
+//------------------------------------------------------------------------------
+void vtkChiOcclusionGL::DrawLight(const chi_occlusion_plan& plan, int field, std::int64_t slab)
+{
+  Field& light = this->Fields[field];
+  const TextureList& from = light.Light[slab & 1];
+  const TextureList& to = light.Light[(slab & 1) ^ 1];
+  const bool tau =
+    plan.field[field].volume && plan.attenuation > 0.0f && !isEmpty(plan.samples[slab]);
+  const bool geometry = plan.surface && plan.field[field].geometry && !isEmpty(plan.blockers[slab]);
+  const int batches = batchesOf(plan);
+  const double scale = plan.light_scale;
+  for (int batch = 0; batch < batches; ++batch)
+  {
+    const int targets = targetsOf(plan, batch);
+    vtkShaderProgram* program = this->Pass.Use(vtkChiOcclusionLightFS,
+      define("TARGETS", targets) + define("HAS_TAU", tau) + define("HAS_GEOMETRY", geometry) +
+        define("CONTINUES", batch > 0) + define("LIGHT_SCALE", plan.light_scale));
+    if (!program)
+    {
+      return;
+    }
+    std::vector<vtkTextureObject*> into = { batch == batches - 1 ? this->Plane(plan, field, slab)
+                                                                 : this->Partial[batch & 1].Get() };
+    for (int k = 0; k < targets; ++k)
+    {
+      const std::size_t i = static_cast<std::size_t>(batch * FOUR + k);
+      this->Pass.Read(lightNames[k], from[i]);
+      into.push_back(to[i]);
+    }
+    float shift[BATCH][2] = {};
+    float weight[BATCH][4] = {};
+    for (int k = 0; k < BATCH && batch * BATCH + k < plan.directions; ++k)
+    {
+      const chi_plan_shift& step = plan.shift[slab * plan.directions + batch * BATCH + k];
+      shift[k][0] = static_cast<float>(step.x);
+      shift[k][1] = static_cast<float>(step.y);
+      std::copy(step.weight, step.weight + 4, weight[k]);
+    }
+    program->SetUniform2fv("shift", BATCH, shift);
+    program->SetUniform4fv("shiftWeight", BATCH, weight);
+    setDirections(program, plan, batch);
+    if (tau)
+    {
+      this->Pass.Read("tauTexture", this->Tau[slab & 1]);
+      this->Pass.Read("tauBeforeTexture", this->Tau[(slab & 1) ^ 1]);
+      // of the middle of light pixel (0, 0)
+      setUniform(program, "raySlope",
+        { plan.slope_x + 0.5 * (scale - 1.0) * plan.slope_dx,
+          plan.slope_y + 0.5 * (scale - 1.0) * plan.slope_dy });
+      setUniform(program, "raySlopeStep", { scale * plan.slope_dx, scale * plan.slope_dy });
+      program->SetUniformf("attenuation", plan.attenuation);
+      program->SetUniformf("meanLength", plan.mean_length);
+      program->SetUniformf("thin", plan.thin);
+    }
+    if (geometry)
+    {
+      this->Pass.Read("surfaceTexture", this->Inputs.GetSurface());
+      this->Pass.Read("surfaceMoreTexture", this->Inputs.GetSurfaceMore());
+      program->SetUniformf("slab", static_cast<float>(slab));
+    }
+    if (batch > 0)
+    {
+      this->Pass.Read("visibilityTexture", this->Partial[(batch & 1) ^ 1]);
+    }
+    this->Pass.Draw(into, plan.light[slab]);
+  }
+  this->LightUpdates += areaOf(plan.light[slab]) * plan.directions;
+}
+
+//------------------------------------------------------------------------------
+void vtkChiOcclusionGL::DrawReceivers(const chi_occlusion_plan& plan, std::int64_t slab)
+{
+  const int field = plan.surface_field;
+  if (!plan.field[field].volume && !plan.field[field].geometry)
+  {
+    return; // nothing takes light from surfaces
+  }
+  vtkShaderProgram* program = this->Pass.Use(
+    vtkChiOcclusionReceiveFS, define("BEYOND", 0) + define("LIGHT_SCALE", plan.light_scale));
+  if (program)
+  {
+    this->Pass.Read("surfaceTexture", this->Inputs.GetSurface());
+    this->Pass.Read("planeTexture0", this->Plane(plan, field, slab - 1));
+    this->Pass.Read("planeTexture1", this->Plane(plan, field, slab));
+    setUniform(program, "planeThere", { slab > 0 ? 1.0 : 0.0, 1.0 });
+    program->SetUniformf("above", static_cast<float>(slab));
+    program->SetUniformf("last", slab == plan.slabs - 1 ? 1.0f : 0.0f);
+    setWeights(program, plan);
+    this->Pass.Draw({ this->Received.Get() }, plan.receivers[slab]);
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkChiOcclusionGL::DrawBeyond(const chi_occlusion_plan& plan)
+{
+  const int field = plan.surface_field;
+  if (plan.fields == 0 || isEmpty(plan.beyond) ||
+    (!plan.field[field].volume && !plan.field[field].geometry))
+  {
+    return;
+  }
+  const TextureList& light = this->Fields[field].Light[plan.slabs & 1];
+  for (int batch = 0; batch < batchesOf(plan); ++batch)
+  {
+    const int targets = targetsOf(plan, batch);
+    vtkShaderProgram* program = this->Pass.Use(vtkChiOcclusionReceiveFS,
+      define("BEYOND", 1) + define("LIGHT_SCALE", plan.light_scale) + define("TARGETS", targets));
+    if (!program)
+    {
+      return;
+    }
+    this->Pass.Read("surfaceTexture", this->Inputs.GetSurface());
+    this->Pass.Read("surfaceMoreTexture", this->Inputs.GetSurfaceMore());
+    for (int k = 0; k < targets; ++k)
+    {
+      this->Pass.Read(lightNames[k], light[static_cast<std::size_t>(batch * FOUR + k)]);
+    }
+    program->SetUniformf("above", static_cast<float>(plan.slabs - 1));
+    setUniform(program, "lightPixels", plan.light_pixels);
+    setDirections(program, plan, batch);
+    this->Pass.Draw({ this->Received.Get() }, plan.beyond,
+      batch == 0 ? vtkChiQuadPass::REPLACE : vtkChiQuadPass::ADD);
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkChiOcclusionGL::DrawVicinity(const chi_occlusion_plan& plan)
+{
+  const chi_rect picture = { 0, 0, plan.width, plan.height };
+  const bool near = plan.surface && plan.vicinity_samples > 0 && plan.strength > 0.0;
+  vtkShaderProgram* program = this->Pass.Use(vtkChiOcclusionVicinityFS,
+    define("SAMPLES", near ? plan.vicinity_samples : 0) + define("LIGHTS", plan.lights) +
+      define("PLANE_RULE", plan.vicinity_plane_rule) + define("PARALLEL", plan.parallel) +
+      define("COMBINE_MINIMUM", plan.combine == CHI_COMBINE_MINIMUM));
+  if (!program)
+  {
+    return;
+  }
+  this->Pass.Read("visibilityTexture", this->Received);
+  program->SetUniformf("strength", static_cast<float>(plan.strength));
+  if (near)
+  {
+    this->Pass.Read("surfaceMoreTexture", this->Inputs.GetSurfaceMore());
+    std::vector<float> disc;
+    float radius[2] = { 0.0f, 0.0f };
+    float share[2] = { 0.0f, 0.0f };
+    for (int light = 0; light < plan.lights; ++light)
+    {
+      radius[light] = static_cast<float>(plan.vicinity_radius[light]);
+      share[light] = static_cast<float>(plan.vicinity_share[light]);
+      disc.insert(disc.end(), &plan.vicinity_disc[light][0][0],
+        &plan.vicinity_disc[light][0][0] + 2 * plan.vicinity_samples);
+    }
+    program->SetUniform2fv("disc", plan.lights * plan.vicinity_samples, disc.data());
+    program->SetUniform2f("radius", radius);
+    program->SetUniform2f("share", share);
+    setUniform(program, "pixels", plan.vicinity_pixels);
+    program->SetUniformf("virtualSlice", static_cast<float>(plan.vicinity_distance));
+    program->SetUniformf("bias", static_cast<float>(plan.vicinity_bias));
+    program->SetUniformf("curvature", static_cast<float>(plan.vicinity_curvature));
+    program->SetUniformf("riseShare", static_cast<float>(plan.vicinity_rise));
+    program->SetUniformf("fade", static_cast<float>(plan.vicinity_fade));
+  }
+  this->Pass.Draw({ this->Visibility.Get() }, picture);
+}

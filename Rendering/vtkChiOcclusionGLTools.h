@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef vtkChiOcclusionGLTools_h
+#define vtkChiOcclusionGLTools_h
+
+#include <chiaroscuro/chi_occlusion_plan.h>
+
+#include "vtkShaderProgram.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+
+// Shared by the sources of vtkChiOcclusionGL.
+namespace vtkChiOcclusionGLTools
+{
+constexpr int FOUR = 4;   // directions a texture
+constexpr int BATCH = 16; // directions a pass
+
+inline int batchesOf(const chi_occlusion_plan& plan)
+{
+  return (plan.directions - 1) / BATCH + 1;
+}
+
+inline bool isEmpty(const chi_rect& rect)
+{
+  return rect.x0 >= rect.x1 || rect.y0 >= rect.y1;
+}
+
+inline std::int64_t areaOf(const chi_rect& rect)
+{
+  return static_cast<std::int64_t>(rect.x1 - rect.x0) * (rect.y1 - rect.y0);
+}
+
+// A line of a shader's head.
+inline std::string define(const char* name, int value)
+{
+  return std::string("#define ") + name + " " + std::to_string(value) + "\n";
+}
+
+// Narrowed for the shader.
+template <std::size_t N>
+void setUniform(vtkShaderProgram* program, const char* name, const double (&value)[N])
+{
+  float single[N];
+  std::copy(value, value + N, single);
+  N == 2 ? program->SetUniform2f(name, single) : program->SetUniform3f(name, single);
+}
+
+// Of the light pixels about a pixel.
+inline void setWeights(vtkShaderProgram* program, const chi_occlusion_plan& plan)
+{
+  float weights[3][3];
+  for (int i = 0; i < 3; ++i)
+  {
+    std::copy(plan.light_weight[i], plan.light_weight[i] + 3, weights[i]);
+  }
+  program->SetUniform3fv("lightWeight", 3, weights);
+}
+}
+
+#endif
