@@ -22,6 +22,9 @@ using namespace vtkChiOcclusionGLTools;
 namespace
 {
 constexpr int CHECK = 8; // slabs from one look at what is still alive to the next
+
+// CHI_FEATURE_... that the shaders do.
+constexpr std::uint64_t KNOWN = 0;
 }
 
 //------------------------------------------------------------------------------
@@ -53,7 +56,7 @@ std::string vtkChiOcclusionGL::GetRendererOf(vtkOpenGLRenderWindow* window)
 std::string vtkChiOcclusionGL::WhyNot(
   vtkOpenGLRenderWindow* window, const chi_occlusion_frame& frame)
 {
-  const std::uint64_t features = chi_occlusion_features(&frame);
+  const std::uint64_t features = chi_occlusion_features(&frame) & ~KNOWN;
   for (int bit = 0; bit < 64; ++bit)
   {
     const std::uint64_t feature = std::uint64_t(1) << bit;

@@ -3,7 +3,10 @@
 // The OpenGL engine's samples of the volume.
 #include "vtkChiOcclusionGL.h"
 
+#include "vtkChiOcclusionClassifyFunctions.h"
+#include "vtkChiOcclusionFetchFunctions.h"
 #include "vtkChiOcclusionGLTools.h"
+#include "vtkChiOcclusionPlanesFunctions.h"
 #include "vtkChiOcclusionSampleFS.h"
 
 #include "vtkShaderProgram.h"
@@ -13,6 +16,23 @@
 
 using namespace vtkChiOcclusionGLTools;
 
+namespace
+{
+// The shader with what it calls, topic by topic; one string, by which programs are found again.
+const char* sampleShader()
+{
+  static const std::string whole = []
+  {
+    std::string source = vtkChiOcclusionSampleFS;
+    vtkShaderProgram::Substitute(source, "//CHI::Functions::Dec",
+      std::string(vtkChiOcclusionFetchFunctions) + vtkChiOcclusionClassifyFunctions +
+        vtkChiOcclusionPlanesFunctions);
+    return source;
+  }();
+  return whole.c_str();
+}
+}
+
 //------------------------------------------------------------------------------
 void vtkChiOcclusionGL::DrawSamples(const chi_occlusion_plan& plan, std::int64_t slab)
 {
@@ -20,7 +40,7 @@ void vtkChiOcclusionGL::DrawSamples(const chi_occlusion_plan& plan, std::int64_t
   chi_occlusion_plan_slab(&plan, slab, &rays);
   const bool lit = rays.is_lit != 0;
   const bool integrates = std::isfinite(plan.color_step);
-  vtkShaderProgram* program = this->Pass.Use(vtkChiOcclusionSampleFS,
+  vtkShaderProgram* program = this->Pass.Use(sampleShader(),
     std::string("#define VOLUME_SAMPLER ") + vtkChiOcclusionTextures::SamplerOf(plan.type) + "\n" +
       define("NEAREST", plan.nearest) + define("CLIPS", plan.clip_count) +
       define("HAS_SURFACE", plan.surface ? 1 : 0) + define("HAS_LIGHT", lit ? 1 : 0) +

@@ -17,7 +17,7 @@ extern "C"
 {
 #endif
 
-/** Bits of chi_occlusion_plan.features: what the frame asks for beyond what the plan describes. */
+/** Bits of chi_occlusion_plan.features: what the frame asks for that not every engine can do. */
 enum
 {
   CHI_FEATURE_PUBLISHED = 1, /**< the published blur, one buffer for all directions */

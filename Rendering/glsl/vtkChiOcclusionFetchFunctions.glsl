@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Samples of the volume, and their places in the tables.
+uniform VOLUME_SAMPLER volumeTexture;
+uniform usampler3D brickTexture; // 0: transparent
+uniform int useBricks;
+uniform vec3 tableScale; // base, scale, offset: entry = (scalar - base) scale + offset
+
+const float largest = 3.402823e38; // infinite and NaN samples are not below it
+
+float scalarAt(ivec3 i)
+{
+  return float(texelFetch(volumeTexture, i, 0).r);
+}
+
+float fetchScalar(vec3 p)
+{
+#if NEAREST
+  return scalarAt(ivec3(p + 0.5));
+#else
+  ivec3 last = textureSize(volumeTexture, 0) - 1;
+  ivec3 i = min(ivec3(p), max(last - 1, ivec3(0)));
+  ivec3 j = min(i + 1, last);
+  vec3 f = p - vec3(i);
+  vec4 a = vec4(scalarAt(i), scalarAt(ivec3(i.x, j.y, i.z)), scalarAt(ivec3(i.x, i.y, j.z)),
+    scalarAt(ivec3(i.x, j.yz)));
+  vec4 b = vec4(scalarAt(ivec3(j.x, i.yz)), scalarAt(ivec3(j.xy, i.z)),
+    scalarAt(ivec3(j.x, i.y, j.z)), scalarAt(j));
+  vec4 line = a + f.x * (b - a);
+  vec2 plane = line.xz + f.y * (line.yw - line.xz);
+  return plane.x + f.z * (plane.y - plane.x);
+#endif
+}
+
+// Place in the tables; -1: no visible sample.
+float tablePosition(vec3 p)
+{
+  p = clamp(p, vec3(0.0), vec3(textureSize(volumeTexture, 0) - 1));
+  if (useBricks != 0 && texelFetch(brickTexture, ivec3(p) / BRICK_EDGE, 0).r == 0u)
+  {
+    return -1.0;
+  }
+  float scalar = fetchScalar(p);
+  if (!(abs(scalar) <= largest))
+  {
+    return -1.0;
+  }
+  return clamp((scalar - tableScale.x) * tableScale.y + tableScale.z, 0.0, float(ENTRIES - 1));
+}
