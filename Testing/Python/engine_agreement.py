@@ -11,9 +11,10 @@ from occlusion_scene import (
     marschner_lobb,
     sphere,
     square,
-    visibility_image,
     volume_property,
 )
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkRenderingCore import vtkColorTransferFunction
 
 from chiaroscuro.vtkChiRendering import vtkChiCombinedOcclusionVolumeMapper
@@ -66,6 +67,17 @@ def tubes(scene):
 SCENE = Scene((SIZE, SIZE))  # one window for all: shaders are built once
 
 
+def visibility_of(mapper):
+    """The visibility of the surfaces, [y, x], or [y, x, 3] under coloured light."""
+    data = vtkImageData()
+    mapper.GetVisibilityImage(data)
+    scalars = data.GetPointData().GetScalars()
+    width, height, _ = data.GetDimensions()
+    components = scalars.GetNumberOfComponents()
+    shape = (height, width) if components == 1 else (height, width, components)
+    return vtk_to_numpy(scalars).reshape(shape).copy()
+
+
 def render(engine, content, setup=None, geometry=None, parallel=False, look=None, size=SIZE):
     """The picture and the visibility of the surfaces, floats, of one engine."""
     data, prop = content() if content else (None, None)
@@ -86,7 +98,7 @@ def render(engine, content, setup=None, geometry=None, parallel=False, look=None
     if look:
         look(scene)
     scene.window.Render()
-    return float_image(mapper), visibility_image(mapper), mapper
+    return float_image(mapper), visibility_of(mapper), mapper
 
 
 CPU = vtkChiCombinedOcclusionVolumeMapper.ENGINE_CPU
@@ -94,26 +106,38 @@ OPENGL = vtkChiCombinedOcclusionVolumeMapper.ENGINE_OPENGL
 AUTO = vtkChiCombinedOcclusionVolumeMapper.ENGINE_AUTO
 
 
+def differences(a, b, where):
+    """Mean and 99th percentile of the largest difference of a pixel's components, of 255."""
+    if not where.any():
+        return 0.0, 0.0
+    difference = 255.0 * np.abs(a - b)
+    difference = (difference.max(axis=2) if difference.ndim == 3 else difference)[where]
+    return difference.mean(), np.percentile(difference, 99.0)
+
+
 class Agreement(unittest.TestCase):
     # the issue's bounds, of 255
     MEAN = 1.0
     PERCENTILE_99 = 4.0
 
-    def check(self, content, darkens=True, **options):
+    def check(self, content, darkens=True, without=None, **options):
+        """Compare the engines' pictures; `without`: options that leave out what is tested, which must show."""
         setup = options.pop("setup", lambda mapper: None)
         cpu, cpu_visibility, mapper = render(CPU, content, setup, **options)
         self.assertEqual(mapper.GetEngineInUse(), CPU)
         gpu, gpu_visibility, mapper = render(OPENGL, content, setup, **options)
         self.assertEqual(mapper.GetEngineInUse(), OPENGL, mapper.GetEngineReason())
         self.assertGreater((cpu[..., 3] > 0.05).sum(), 400)  # there is something to compare
-        for name, a, b in (("picture", cpu, gpu), ("visibility", cpu_visibility, gpu_visibility)):
+        darkened = (cpu_visibility < 1.0).reshape(*cpu.shape[:2], -1).any(axis=2)
+        seen = (np.maximum(cpu[..., 3], gpu[..., 3]) > 0.0, darkened)
+        pairs = ((cpu, gpu), (cpu_visibility, gpu_visibility))
+        for name, (a, b), where in zip(("picture", "visibility"), pairs, seen):
+            self.assertEqual(a.shape, b.shape, name)
             self.assertTrue(np.isfinite(b).all(), name)
-            difference = 255.0 * np.abs(a - b)
-            difference = difference.max(axis=2) if difference.ndim == 3 else difference
-            where = np.maximum(cpu[..., 3], gpu[..., 3]) > 0.0 if name == "picture" else cpu_visibility < 1.0
-            if where.any():
-                self.assertLessEqual(difference[where].mean(), self.MEAN, name)
-                self.assertLessEqual(np.percentile(difference[where], 99.0), self.PERCENTILE_99, name)
+            mean, most = differences(a, b, where)
+            print(f"{self.id().split('.')[-1]} {name}: mean {mean:.4f}, 99 % {most:.4f} of 255")
+            self.assertLessEqual(mean, self.MEAN, name)
+            self.assertLessEqual(most, self.PERCENTILE_99, name)
         if darkens:  # occlusion does something in this scene
 
             def unshaded(mapper):
@@ -122,4 +146,12 @@ class Agreement(unittest.TestCase):
 
             plain = render(OPENGL, content, unshaded, **options)[0]
             self.assertGreater(255.0 * np.abs(plain - gpu).max(axis=2).mean(), 5.0)
+        if without:  # an engine that left it out would be caught by the bounds
+            left_out = render(OPENGL, content, **{**options, "setup": setup, **without})[:2]
+            caught = [
+                a.shape != b.shape or bounded[0] > 2.0 * self.MEAN or bounded[1] > 2.0 * self.PERCENTILE_99
+                for (a, _), b, where in zip(pairs, left_out, seen)
+                for bounded in [differences(a, b, where) if a.shape == b.shape else (0.0, 0.0)]
+            ]
+            self.assertTrue(any(caught))
         return gpu
