@@ -404,8 +404,8 @@ public:
    * which makes the same picture within 1/255 in the mean. Auto, the default, takes the OpenGL
    * engine, unless OpenGL itself is drawn in software. Where the scene asks for what the OpenGL
    * engine does not have, the CPU engine draws; asked for explicitly, that is a warning, once for
-   * each cause. It has one component, pre-integrated colour, opaque geometry, clipping planes
-   * and all lights; not yet pictures of fewer pixels (GetUsedImageReduction), shading and
+   * each cause. It has one component, pre-integrated colour, opaque geometry, clipping planes,
+   * all lights and pictures of fewer pixels (GetUsedImageReduction); not yet shading and
    * opacity by gradients, 2-D transfer functions, masks, cropping regions, translucent layers,
    * multisampled geometry, coloured attenuation and the published method.
    */

@@ -106,8 +106,8 @@ chi_status vtkChiOcclusionEngine::RenderOpenGL(
     this->Stats.light_updates = this->GL.GetLightUpdates();
     this->Stats.seconds_slices = vtkTimerLog::GetUniversalTime() - begin;
   }
-  this->Image.width = plan.width;
-  this->Image.height = plan.height;
+  this->Image.width = plan.full_width;
+  this->Image.height = plan.full_height;
   if (!this->Rgba.empty()) // read back before, and nothing has changed
   {
     this->Image.rgba = this->Rgba.data();

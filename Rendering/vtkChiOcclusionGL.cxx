@@ -24,7 +24,7 @@ namespace
 constexpr int CHECK = 8; // slabs from one look at what is still alive to the next
 
 // CHI_FEATURE_... that the shaders do.
-constexpr std::uint64_t KNOWN = 0;
+constexpr std::uint64_t KNOWN = CHI_FEATURE_REDUCTION;
 }
 
 //------------------------------------------------------------------------------
@@ -140,6 +140,17 @@ bool vtkChiOcclusionGL::Allocate(const chi_occlusion_plan& plan, bool half)
   this->Reserve(this->Layer, plan.width, plan.height, 4, false);
   this->Reserve(this->Received, plan.width, plan.height, 1, false);
   this->Reserve(this->Visibility, plan.width, plan.height, 1, false);
+  this->Reduced = plan.reduction > 1;
+  if (this->Reduced)
+  {
+    this->Reserve(this->FullLayer, plan.full_width, plan.full_height, 4, false);
+    this->Reserve(this->FullVisibility, plan.full_width, plan.full_height, 1, false);
+  }
+  else
+  {
+    this->FullLayer->ReleaseGraphicsResources(this->Window);
+    this->FullVisibility->ReleaseGraphicsResources(this->Window);
+  }
   const std::size_t textures = static_cast<std::size_t>((plan.directions - 1) / FOUR + 1);
   for (int i = 0; i < 2; ++i)
   {
@@ -154,7 +165,7 @@ bool vtkChiOcclusionGL::Allocate(const chi_occlusion_plan& plan, bool half)
       this->Reserve(this->Partial[i], plan.light_width, plan.light_height, 1, false);
     }
   }
-  return this->Layer->GetHandle() != 0 && this->Visibility->GetHandle() != 0;
+  return this->GetLayer()->GetHandle() != 0 && this->GetVisibility()->GetHandle() != 0;
 }
 
 //------------------------------------------------------------------------------
@@ -189,7 +200,7 @@ bool vtkChiOcclusionGL::Holds(
 {
   return this->Drawn && this->Window.GetPointer() == window &&
     this->FrameVersion == plan.frame_version && this->Half == half &&
-    this->Layer->GetHandle() != 0 && this->Visibility->GetHandle() != 0;
+    this->GetLayer()->GetHandle() != 0 && this->GetVisibility()->GetHandle() != 0;
 }
 
 //------------------------------------------------------------------------------
@@ -215,6 +226,10 @@ bool vtkChiOcclusionGL::Render(
       this->DrawBeyond(plan);
     }
     this->DrawVicinity(plan);
+    if (this->Reduced)
+    {
+      this->DrawEnlarged(plan);
+    }
     good = !this->Pass.HasFailed();
   }
   this->Pass.End();
@@ -320,7 +335,7 @@ vtkTextureObject* vtkChiOcclusionGL::Plane(
 bool vtkChiOcclusionGL::ReadLayer(vtkOpenGLRenderWindow* window, std::vector<float>& rgba)
 {
   return this->Drawn && this->Window.GetPointer() == window &&
-    this->Pass.ReadPixels(window, this->Layer, 4, rgba);
+    this->Pass.ReadPixels(window, this->GetLayer(), 4, rgba);
 }
 
 //------------------------------------------------------------------------------
@@ -328,7 +343,7 @@ bool vtkChiOcclusionGL::ReadVisibility(
   vtkOpenGLRenderWindow* window, std::vector<float>& visibility)
 {
   return this->Drawn && this->Window.GetPointer() == window &&
-    this->Pass.ReadPixels(window, this->Visibility, 1, visibility);
+    this->Pass.ReadPixels(window, this->GetVisibility(), 1, visibility);
 }
 
 //------------------------------------------------------------------------------
@@ -341,9 +356,9 @@ void vtkChiOcclusionGL::ReleaseGraphicsResources(vtkWindow* window)
     return;
   }
   this->Inputs.ReleaseGraphicsResources(window);
-  for (vtkTextureObject* texture :
-    { this->Layer.Get(), this->Received.Get(), this->Visibility.Get(), this->Tau[0].Get(),
-      this->Tau[1].Get(), this->Partial[0].Get(), this->Partial[1].Get() })
+  for (vtkTextureObject* texture : { this->Layer.Get(), this->Received.Get(),
+         this->Visibility.Get(), this->FullLayer.Get(), this->FullVisibility.Get(),
+         this->Tau[0].Get(), this->Tau[1].Get(), this->Partial[0].Get(), this->Partial[1].Get() })
   {
     texture->ReleaseGraphicsResources(window);
   }

@@ -38,8 +38,12 @@ public:
   // Whether the textures hold the picture of this plan.
   bool Holds(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan, bool half);
 
-  vtkTextureObject* GetLayer() { return this->Layer; } // premultiplied colour and alpha
-  vtkTextureObject* GetVisibility() { return this->Visibility; }
+  // premultiplied colour and alpha
+  vtkTextureObject* GetLayer() { return this->Reduced ? this->FullLayer : this->Layer; }
+  vtkTextureObject* GetVisibility()
+  {
+    return this->Reduced ? this->FullVisibility : this->Visibility;
+  }
   bool ReadLayer(vtkOpenGLRenderWindow* window, std::vector<float>& rgba);
   bool ReadVisibility(vtkOpenGLRenderWindow* window, std::vector<float>& visibility);
   // Samples of the rectangles that were drawn, and their light updates: what shaders skip counts.
@@ -68,6 +72,7 @@ private:
   void DrawReceivers(const chi_occlusion_plan& plan, std::int64_t slab);
   void DrawBeyond(const chi_occlusion_plan& plan);
   void DrawVicinity(const chi_occlusion_plan& plan);
+  void DrawEnlarged(const chi_occlusion_plan& plan);
   bool AskAlive(const chi_occlusion_plan& plan, std::int64_t slab);
   vtkTextureObject* Plane(const chi_occlusion_plan& plan, int field, std::int64_t slab);
 
@@ -79,6 +84,8 @@ private:
   vtkNew<vtkTextureObject> Layer;
   vtkNew<vtkTextureObject> Received;   // visibility of surfaces from the light planes
   vtkNew<vtkTextureObject> Visibility; // with vicinity and strength
+  vtkNew<vtkTextureObject> FullLayer;  // the same two, enlarged
+  vtkNew<vtkTextureObject> FullVisibility;
   vtkNew<vtkTextureObject> Tau[2];     // of this slab and the one before
   vtkNew<vtkTextureObject> Partial[2]; // visibility of the directions so far
   chi_rect TauDrawn[2] = {};
@@ -86,6 +93,7 @@ private:
   unsigned int Query = 0;
   bool Asked = false;
   bool Half = false;
+  bool Reduced = false; // the picture is smaller than the one that is handed out
   bool Drawn = false;
   std::uint64_t FrameVersion = 0;
   std::int64_t Samples = 0;

@@ -93,6 +93,7 @@ bool vtkChiOcclusionTextures::Update(vtkOpenGLRenderWindow* window, const chi_oc
     this->Surface->ReleaseGraphicsResources(window);
     this->SurfaceMore->ReleaseGraphicsResources(window);
   }
+  good = good && this->UpdateGuide(window, plan);
   this->FrameVersion = plan.frame_version;
   return good;
 }
@@ -169,11 +170,27 @@ bool vtkChiOcclusionTextures::UpdateSurfaces(
 }
 
 //------------------------------------------------------------------------------
+bool vtkChiOcclusionTextures::UpdateGuide(
+  vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan)
+{
+  if (!plan.guide)
+  {
+    this->Guide->ReleaseGraphicsResources(window);
+    return true;
+  }
+  this->Guide->SetContext(window);
+  return (this->Guide->GetHandle() != 0 && this->FrameVersion == plan.frame_version) ||
+    upload(this->Guide, window, { GL_R32F, GL_RED, VTK_FLOAT, 1 },
+      static_cast<std::size_t>(plan.full_width), static_cast<std::size_t>(plan.full_height),
+      plan.guide);
+}
+
+//------------------------------------------------------------------------------
 void vtkChiOcclusionTextures::ReleaseGraphicsResources(vtkWindow* window)
 {
   for (vtkTextureObject* texture : { this->Volume.Get(), this->Bricks.Get(), this->Sums.Get(),
          this->Sigma.Get(), this->Colors.Get(), this->ColorSums.Get(), this->ColorMeans.Get(),
-         this->Surface.Get(), this->SurfaceMore.Get() })
+         this->Surface.Get(), this->SurfaceMore.Get(), this->Guide.Get() })
   {
     texture->ReleaseGraphicsResources(window);
   }

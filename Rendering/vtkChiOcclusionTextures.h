@@ -41,11 +41,13 @@ public:
   vtkTextureObject* GetColorMeans() { return this->ColorMeans; }
   vtkTextureObject* GetSurface() { return this->Surface; }
   vtkTextureObject* GetSurfaceMore() { return this->SurfaceMore; }
+  vtkTextureObject* GetGuide() { return this->Guide; }
 
 private:
   bool UpdateVolume(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
   bool UpdateTables(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
   bool UpdateSurfaces(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
+  bool UpdateGuide(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
 
   vtkNew<vtkTextureObject> Volume;
   vtkNew<vtkTextureObject> Bricks;
@@ -56,6 +58,7 @@ private:
   vtkNew<vtkTextureObject> ColorMeans;
   vtkNew<vtkTextureObject> Surface;
   vtkNew<vtkTextureObject> SurfaceMore;
+  vtkNew<vtkTextureObject> Guide;
   std::uint64_t VolumeVersion = 0;
   std::uint64_t TableVersion = 0;
   std::uint64_t FrameVersion = 0;

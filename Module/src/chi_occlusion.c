@@ -613,8 +613,15 @@ chi_status chi_occlusion_describe(const chi_exec* exec, chi_occlusion* o,
     return status;
   }
   const double t0 = chi_seconds();
+  const int reduction = chi_reduction_of(frame);
+  const chi_occlusion_frame* drawn = frame;
+  if (reduction > 1)
+  {
+    status = chi_reduce(exec, &o->reduction, frame, reduction);
+    drawn = &o->reduction.frame;
+  }
   chi_scene scene;
-  status = build_scene(&scene, frame);
+  status = status == CHI_OK ? build_scene(&scene, drawn) : status;
   if (status != CHI_OK)
   {
     return status;
@@ -635,7 +642,7 @@ chi_status chi_occlusion_describe(const chi_exec* exec, chi_occlusion* o,
     const double t1 = chi_seconds();
     o->has_plan = 0;
     ++o->versions[0];
-    status = chi_plan_fill(exec, &o->plan, &scene, &o->bricks, &o->classification, frame);
+    status = chi_plan_fill(exec, &o->plan, &scene, &o->bricks, &o->classification, frame, drawn);
     o->planned = key;
     o->has_plan = status == CHI_OK;
     o->stats.seconds_visible_set = chi_seconds() - t1;

@@ -519,15 +519,28 @@ static chi_status describe_surfaces(describe_job* it, chi_occlusion_plan* plan, 
   return status;
 }
 
+static chi_status describe_reduction(const chi_exec* exec, chi_plan_keep* keep,
+  const chi_scene* scene, const chi_occlusion_frame* whole)
+{
+  const int guided = chi_reduction_of(whole) > 1 && whole->surface;
+  const size_t pixels = (size_t)whole->camera->width * (size_t)whole->camera->height;
+  if (guided && !chi_buffer_reserve(exec, &keep->guide, pixels, sizeof(float)))
+  {
+    return CHI_ERROR_OUT_OF_MEMORY;
+  }
+  return chi_reduction_describe(
+    exec, whole, scene, guided ? (float*)keep->guide.data : NULL, &keep->plan);
+}
+
 chi_status chi_plan_fill(const chi_exec* exec, chi_plan_keep* keep, const chi_scene* scene,
   const chi_bricks* bricks, const chi_classification* classification,
-  const chi_occlusion_frame* frame)
+  const chi_occlusion_frame* whole, const chi_occlusion_frame* frame)
 {
   chi_occlusion_plan* const plan = &keep->plan;
   const size_t slabs = (size_t)scene->slabs, directions = (size_t)scene->directions;
   memset(plan, 0, sizeof *plan);
   plan->struct_size = sizeof *plan;
-  plan->features = chi_occlusion_features(frame);
+  plan->features = chi_occlusion_features(whole);
   if (!chi_buffer_reserve(exec, &keep->rects, 5 * slabs + 1, sizeof(chi_rect)) ||
     !chi_buffer_reserve(exec, &keep->shifts, slabs * directions + 1, sizeof(chi_plan_shift)))
   {
@@ -581,7 +594,7 @@ chi_status chi_plan_fill(const chi_exec* exec, chi_plan_keep* keep, const chi_sc
   }
   const int light_kinds = CHI_SKIP_SATURATED_LIGHT | CHI_SKIP_UNREACHED_LIGHT;
   bound_light(plan, light, (skip & light_kinds) != light_kinds);
-  return status;
+  return status == CHI_OK ? describe_reduction(exec, keep, scene, whole) : status;
 }
 
 void chi_plan_free(const chi_exec* exec, chi_plan_keep* keep)
@@ -590,4 +603,5 @@ void chi_plan_free(const chi_exec* exec, chi_plan_keep* keep)
   chi_buffer_free(exec, &keep->rects);
   chi_buffer_free(exec, &keep->surface);
   chi_buffer_free(exec, &keep->planes);
+  chi_buffer_free(exec, &keep->guide);
 }

@@ -7,7 +7,7 @@
  * Eq. 3: what is enlarged is weighted by how like the guide is, here the surface's depth.
  */
 
-#include "chi_occlusion_internal.h"
+#include "chi_occlusion_describe.h"
 
 #include <math.h>
 #include <string.h>
@@ -42,21 +42,26 @@ static float surface_depth(const chi_occlusion_frame* frame, size_t pixel)
 }
 
 /*
- * Which pixel stands for a block: always the same one, and the small camera looks through its
- * middle. The nearest or the farthest would keep thin things, but roughen every slope, which then
- * darkens itself (by 7 % on a tilted plane where the two take turns).
+ * Which pixel stands for a block, from its corner a side: always the same one, and the small camera
+ * looks through its middle. The nearest or the farthest would keep thin things, but roughen every
+ * slope, which then darkens itself (by 7 % on a tilted plane where the two take turns).
  */
+static int chosen_pixel(int n)
+{
+  return n / 2;
+}
+
 static size_t choose_pixel(const reduction_job* it, size_t bx, size_t by)
 {
   const size_t n = (size_t)it->n, width = (size_t)it->width, height = (size_t)it->height;
-  const size_t x = bx * n + n / 2, y = by * n + n / 2;
+  const size_t x = bx * n + (size_t)chosen_pixel(it->n), y = by * n + (size_t)chosen_pixel(it->n);
   return (y < height ? y : height - 1) * width + (x < width ? x : width - 1);
 }
 
 /* Where that pixel's middle lies, in pixels from the block's corner. */
 static double middle_of(int n)
 {
-  return n / 2 + 0.5;
+  return chosen_pixel(n) + 0.5;
 }
 
 static void reduce_rows(void* data, size_t begin, size_t end)
@@ -140,12 +145,16 @@ chi_status chi_reduce(
                                   : CHI_OK;
 }
 
-/* The guide: depth in slabs; without surface as far behind the last as that is behind the first. */
+/* The guide without surface: as far behind the last slab as that is behind the first. */
+static double far_guide(const chi_scene* s)
+{
+  return 2.0 * (double)(s->slabs > 64 ? s->slabs : 64);
+}
+
+/* The guide: depth in slabs. */
 static double guide_of(const chi_scene* s, float depth)
 {
-  const double far = 2.0 * (double)(s->slabs > 64 ? s->slabs : 64);
-  const double slabs = ((double)depth - s->start) / s->slab;
-  return slabs < far ? slabs : far;
+  return fmin(((double)depth - s->start) / s->slab, far_guide(s));
 }
 
 /* Weights of the four small pixels about a full one; 1 / (1 + d^2) at a distance d in depth. */
@@ -253,6 +262,32 @@ chi_status chi_enlarge(const chi_exec* exec, chi_reduction* from, const chi_occl
     .rgba = rgba,
     .visibility = visibility };
   return chi_for(exec, (size_t)job.height, enlarge_rows, &job);
+}
+
+static void write_guide(void* data, size_t begin, size_t end)
+{
+  const reduction_job* const it = (const reduction_job*)data;
+  for (size_t i = begin * (size_t)it->width; i < end * (size_t)it->width; ++i)
+  {
+    const float depth = surface_depth(it->frame, i);
+    it->visibility[i] = depth < INFINITY ? (float)guide_of(it->scene, depth) : INFINITY;
+  }
+}
+
+chi_status chi_reduction_describe(const chi_exec* exec, const chi_occlusion_frame* frame,
+  const chi_scene* scene, float* guide, chi_occlusion_plan* plan)
+{
+  const chi_camera* const camera = frame->camera;
+  plan->reduction = chi_reduction_of(frame);
+  plan->full_width = camera->width;
+  plan->full_height = camera->height;
+  plan->reduced_pixel = chosen_pixel(plan->reduction);
+  plan->guide = guide;
+  plan->guide_far = far_guide(scene);
+  reduction_job job = {
+    .exec = exec, .frame = frame, .scene = scene, .width = camera->width, .visibility = guide
+  };
+  return guide ? chi_for(exec, (size_t)camera->height, write_guide, &job) : CHI_OK;
 }
 
 void chi_reduction_free(const chi_exec* exec, chi_reduction* reduction)

@@ -379,6 +379,44 @@ static void other_engines_are_told_of_the_reduction_alone(void)
   free_scene(s);
 }
 
+static void a_plan_describes_the_small_picture_and_its_enlargement(void)
+{
+  scene* const s = make_scene(1, 61, 50, 1);
+  chi_occlusion_plan plan = { .struct_size = sizeof plan };
+  CHECK(chi_occlusion_describe(NULL, s->engine, &s->frame, &plan) == CHI_OK);
+  CHECK(plan.width == 61 && plan.height == 50 && plan.reduction == 1 && !plan.guide);
+  CHECK(plan.full_width == 61 && plan.full_height == 50);
+  for (int n = 2; n <= 4; ++n)
+  {
+    s->params.reduction = n;
+    CHECK(chi_occlusion_describe(NULL, s->engine, &s->frame, &plan) == CHI_OK);
+    CHECK(plan.width == (60 / n) + 1 && plan.height == 49 / n + 1 && plan.reduction == n);
+    CHECK(plan.full_width == 61 && plan.full_height == 50 && plan.reduced_pixel < n);
+    CHECK(plan.features == CHI_FEATURE_REDUCTION && plan.guide != NULL);
+    CHECK(plan.guide_far > (double)plan.slabs);
+    for (int i = 0; i < 61 * 50 && plan.guide; ++i)
+    {
+      const double slabs = ((double)s->depth[i] - plan.start) / plan.slab;
+      CHECK(s->depth[i] < INFINITY ? fabs((double)plan.guide[i] - slabs) < 1e-5 * plan.guide_far
+                                   : plan.guide[i] == INFINITY);
+    }
+    for (int y = 0; y < plan.height; ++y)
+    {
+      for (int x = 0; x < plan.width; ++x)
+      {
+        /* the small picture's surfaces are those of the pixels that stand for the blocks */
+        const int fx = n * x + plan.reduced_pixel, fy = n * y + plan.reduced_pixel;
+        const int at = (fy < 50 ? fy : 49) * 61 + (fx < 61 ? fx : 60);
+        CHECK(plan.surface_more[y * plan.width + x][2] == s->depth[at]);
+      }
+    }
+  }
+  s->frame.surface = NULL;
+  CHECK(chi_occlusion_describe(NULL, s->engine, &s->frame, &plan) == CHI_OK);
+  CHECK(plan.reduction == 4 && !plan.guide);
+  free_scene(s);
+}
+
 int main(void)
 {
   a_reduced_picture_is_as_bright_and_nearly_the_same();
@@ -389,5 +427,6 @@ int main(void)
   the_depth_of_an_opacity_in_even_fog_is_exact();
   finding_a_depth_leaves_the_picture_and_stops_at_surfaces();
   other_engines_are_told_of_the_reduction_alone();
+  a_plan_describes_the_small_picture_and_its_enlargement();
   return chi_test_report();
 }

@@ -167,6 +167,18 @@ typedef struct chi_occlusion_plan
   float color_thin;                 /**< optical thickness that series are for */
   int32_t color_parts, color_steps; /**< parts of a segment, and steps by which they are found */
   int32_t color_even; /**< times color_step that a segment crosses at most with even parts */
+
+  /* Enlargement. A reduction n > 1: all of the above describes a picture of n times fewer pixels a
+   * side. Full pixel (x, y) lies at (x - reduced_pixel, y - reduced_pixel) / n of it, not below 0.
+   * The four small pixels about that place have the bilinear weights over 1 + d^2, and add up to 1,
+   * where d is the difference of the guide at the full pixel and at the one that stands for the
+   * small one: (n i + reduced_pixel, n j + reduced_pixel), within the picture. The visibility is
+   * the mean of those with a surface, 1 where the full pixel or all of these have none. */
+  int32_t reduction, reduced_pixel;
+  int32_t full_width, full_height; /**< of the picture that is handed out, reduced or not */
+  const float* guide; /**< [full_height][full_width] depth of the surface in slabs, infinite where
+                         there is none; null without any surface */
+  double guide_far;   /**< what infinite stands for in d */
 } chi_occlusion_plan;
 
 /** Samples of one slab: rays, and the light planes that they read. */
