@@ -56,6 +56,7 @@ void uploadPlane(vtkTextureObject* texture, vtkOpenGLRenderWindow* window, int w
   texture->SetContext(window);
   texture->SetMinificationFilter(vtkTextureObject::Nearest);
   texture->SetMagnificationFilter(vtkTextureObject::Nearest);
+  texture->ResetFormatAndType(); // of one component or three, whichever it was before
   // the texture's interface takes no const, and only reads
   texture->Create2DFromRaw(static_cast<unsigned int>(width), static_cast<unsigned int>(height),
     components, VTK_FLOAT, const_cast<float*>(data));
@@ -192,10 +193,12 @@ void vtkChiCompositor::DrawQuad(vtkRenderer* renderer, const Picture& picture)
   const bool rewrite = picture.Surface && picture.First &&
     (picture.Hidden || mayRewriteSurface(renderer, picture.Layered));
   program->SetUniformi("rewriteSurface", rewrite ? 1 : 0);
-  program->SetUniformi("coloredVisibility", picture.VisibilityRgb ? 1 : 0);
+  const bool colored =
+    uploaded ? picture.VisibilityRgb != nullptr : picture.VisibilityTexture->GetComponents() > 1;
+  program->SetUniformi("coloredVisibility", colored ? 1 : 0);
   // One alpha cannot darken colours by different parts: then they are multiplied first. Where
   // geometry is rewritten nothing of it is left to darken.
-  const int first = picture.VisibilityRgb && picture.Surface && !rewrite ? 1 : 0;
+  const int first = colored && picture.Surface && !rewrite ? 1 : 0;
   for (int stage = first; stage <= 2 * first; ++stage)
   {
     program->SetUniformi("stage", stage);

@@ -5,6 +5,8 @@
 #include "vtkOpenGLRenderWindow.h"
 #include "vtkTimerLog.h"
 
+#include <algorithm>
+
 //------------------------------------------------------------------------------
 vtkChiOcclusionEngine::~vtkChiOcclusionEngine()
 {
@@ -110,8 +112,7 @@ chi_status vtkChiOcclusionEngine::RenderOpenGL(
   this->Image.height = plan.full_height;
   if (!this->Rgba.empty()) // read back before, and nothing has changed
   {
-    this->Image.rgba = this->Rgba.data();
-    this->Image.visibility = this->Visibility.data();
+    this->HandOut();
   }
   this->Stats.seconds_total = vtkTimerLog::GetUniversalTime() - start;
   return CHI_OK;
@@ -130,6 +131,14 @@ vtkTextureObject* vtkChiOcclusionEngine::GetVisibility()
 }
 
 //------------------------------------------------------------------------------
+void vtkChiOcclusionEngine::HandOut()
+{
+  this->Image.rgba = this->Rgba.data();
+  this->Image.visibility = this->Visibility.data();
+  this->Image.visibility_rgb = this->VisibilityRgb.empty() ? nullptr : this->VisibilityRgb.data();
+}
+
+//------------------------------------------------------------------------------
 bool vtkChiOcclusionEngine::ReadImage()
 {
   if (this->InUse == OPENGL && this->Image.width > 0 && !this->Image.rgba)
@@ -137,11 +146,29 @@ bool vtkChiOcclusionEngine::ReadImage()
     vtkOpenGLRenderWindow* window = vtkOpenGLRenderWindow::SafeDownCast(this->Window);
     if (this->GL.ReadLayer(window, this->Rgba) && this->GL.ReadVisibility(window, this->Visibility))
     {
-      this->Image.rgba = this->Rgba.data();
-      this->Image.visibility = this->Visibility.data();
+      this->VisibilityRgb.clear();
+      if (this->GL.IsColored())
+      {
+        this->SplitVisibility();
+      }
+      this->HandOut();
     }
   }
   return this->Image.rgba != nullptr;
+}
+
+//------------------------------------------------------------------------------
+// Three colours and their mean a pixel.
+void vtkChiOcclusionEngine::SplitVisibility()
+{
+  const std::size_t pixels = this->Visibility.size() / 4;
+  this->VisibilityRgb.resize(3 * pixels);
+  for (std::size_t i = 0; i < pixels; ++i)
+  {
+    std::copy_n(&this->Visibility[4 * i], 3, &this->VisibilityRgb[3 * i]);
+    this->Visibility[i] = this->Visibility[4 * i + 3];
+  }
+  this->Visibility.resize(pixels);
 }
 
 //------------------------------------------------------------------------------

@@ -60,6 +60,8 @@ private:
   int Choose(vtkOpenGLRenderWindow* window, const chi_occlusion_frame& frame, int asked);
   chi_status RenderOpenGL(const chi_exec* exec, vtkOpenGLRenderWindow* window,
     const chi_occlusion_frame& frame, bool half);
+  void HandOut();
+  void SplitVisibility();
 
   chi_occlusion* Core = nullptr;
   vtkChiOcclusionGL GL;
@@ -71,6 +73,7 @@ private:
   chi_occlusion_stats Stats = {};
   std::vector<float> Rgba;
   std::vector<float> Visibility;
+  std::vector<float> VisibilityRgb; // empty where it has one colour
 };
 
 #endif

@@ -24,7 +24,7 @@ namespace
 constexpr int CHECK = 8; // slabs from one look at what is still alive to the next
 
 // CHI_FEATURE_... that the shaders do.
-constexpr std::uint64_t KNOWN = CHI_FEATURE_REDUCTION;
+constexpr std::uint64_t KNOWN = CHI_FEATURE_REDUCTION | CHI_FEATURE_COLORED;
 }
 
 //------------------------------------------------------------------------------
@@ -138,13 +138,15 @@ bool vtkChiOcclusionGL::Allocate(const chi_occlusion_plan& plan, bool half)
 {
   this->Half = half;
   this->Reserve(this->Layer, plan.width, plan.height, 4, false);
-  this->Reserve(this->Received, plan.width, plan.height, 1, false);
-  this->Reserve(this->Visibility, plan.width, plan.height, 1, false);
+  this->Colored = isColored(plan);
+  const int colors = this->Colored ? 4 : 1;
+  this->Reserve(this->Received, plan.width, plan.height, colors, false);
+  this->Reserve(this->Visibility, plan.width, plan.height, colors, false);
   this->Reduced = plan.reduction > 1;
   if (this->Reduced)
   {
     this->Reserve(this->FullLayer, plan.full_width, plan.full_height, 4, false);
-    this->Reserve(this->FullVisibility, plan.full_width, plan.full_height, 1, false);
+    this->Reserve(this->FullVisibility, plan.full_width, plan.full_height, colors, false);
   }
   else
   {
@@ -157,9 +159,14 @@ bool vtkChiOcclusionGL::Allocate(const chi_occlusion_plan& plan, bool half)
     const bool used = plan.fields > i;
     this->Reserve(this->Tau[i], plan.light_width * plan.light_scale,
       plan.light_height * plan.light_scale, 1, false);
-    this->Reserve(this->Fields[i].Light[0], used ? textures : 0, plan, 4);
-    this->Reserve(this->Fields[i].Light[1], used ? textures : 0, plan, 4);
-    this->Reserve(this->Fields[i].Ring, used ? static_cast<std::size_t>(plan.ring) : 0, plan, 1);
+    for (int channel = 0; channel < 3; ++channel)
+    {
+      const std::size_t count = used && channel < plan.channels ? textures : 0;
+      this->Reserve(this->Fields[i].Light[channel][0], count, plan, 4);
+      this->Reserve(this->Fields[i].Light[channel][1], count, plan, 4);
+    }
+    this->Reserve(
+      this->Fields[i].Ring, used ? static_cast<std::size_t>(plan.ring) : 0, plan, colors);
     if (batchesOf(plan) > 1)
     {
       this->Reserve(this->Partial[i], plan.light_width, plan.light_height, 1, false);
@@ -183,8 +190,7 @@ void vtkChiOcclusionGL::Clear(const chi_occlusion_plan& plan)
   {
     this->Pass.Clear(this->Tau[i], tau, zero);
     this->TauDrawn[i] = {};
-    for (const TextureList* list :
-      { &this->Fields[i].Light[0], &this->Fields[i].Light[1], &this->Fields[i].Ring })
+    for (const TextureList* list : this->Fields[i].GetLists())
     {
       for (const auto& texture : *list)
       {
@@ -264,9 +270,11 @@ void vtkChiOcclusionGL::DrawSlabs(const chi_occlusion_plan& plan)
     }
     for (int field = 0; field < plan.fields; ++field)
     {
-      if (!isEmpty(plan.light[slab]) && (plan.field[field].volume || plan.field[field].geometry))
+      const bool blocked = plan.field[field].volume || plan.field[field].geometry;
+      for (int channel = 0; channel < plan.channels && blocked && !isEmpty(plan.light[slab]);
+           ++channel)
       {
-        this->DrawLight(plan, field, slab);
+        this->DrawLight(plan, field, channel, slab);
       }
     }
     if (lit && plan.surface && !isEmpty(plan.receivers[slab]))
@@ -343,7 +351,7 @@ bool vtkChiOcclusionGL::ReadVisibility(
   vtkOpenGLRenderWindow* window, std::vector<float>& visibility)
 {
   return this->Drawn && this->Window.GetPointer() == window &&
-    this->Pass.ReadPixels(window, this->GetVisibility(), 1, visibility);
+    this->Pass.ReadPixels(window, this->GetVisibility(), this->Colored ? 4 : 1, visibility);
 }
 
 //------------------------------------------------------------------------------
@@ -364,7 +372,7 @@ void vtkChiOcclusionGL::ReleaseGraphicsResources(vtkWindow* window)
   }
   for (Field& field : this->Fields)
   {
-    for (TextureList* list : { &field.Light[0], &field.Light[1], &field.Ring })
+    for (TextureList* list : field.GetLists())
     {
       for (auto& texture : *list)
       {

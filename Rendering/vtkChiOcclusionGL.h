@@ -14,6 +14,7 @@
 #include "vtkTextureObject.h"
 #include "vtkWeakPointer.h"
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -45,7 +46,9 @@ public:
     return this->Reduced ? this->FullVisibility : this->Visibility;
   }
   bool ReadLayer(vtkOpenGLRenderWindow* window, std::vector<float>& rgba);
+  // One value a pixel, or, under coloured light, red, green, blue and their mean.
   bool ReadVisibility(vtkOpenGLRenderWindow* window, std::vector<float>& visibility);
+  bool IsColored() const { return this->Colored; }
   // Samples of the rectangles that were drawn, and their light updates: what shaders skip counts.
   std::int64_t GetSamples() const { return this->Samples; }
   std::int64_t GetLightUpdates() const { return this->LightUpdates; }
@@ -57,8 +60,14 @@ private:
   // Light for one kind of receiver.
   struct Field
   {
-    TextureList Light[2]; // four directions each
-    TextureList Ring;     // visibility of the last slabs
+    TextureList Light[3][2]; // of each channel; four directions a texture
+    TextureList Ring;        // visibility of the last slabs
+
+    std::array<TextureList*, 7> GetLists()
+    {
+      return { &this->Light[0][0], &this->Light[0][1], &this->Light[1][0], &this->Light[1][1],
+        &this->Light[2][0], &this->Light[2][1], &this->Ring };
+    }
   };
 
   bool Allocate(const chi_occlusion_plan& plan, bool half);
@@ -68,7 +77,7 @@ private:
   void Clear(const chi_occlusion_plan& plan);
   void DrawSlabs(const chi_occlusion_plan& plan);
   void DrawSamples(const chi_occlusion_plan& plan, std::int64_t slab);
-  void DrawLight(const chi_occlusion_plan& plan, int field, std::int64_t slab);
+  void DrawLight(const chi_occlusion_plan& plan, int field, int channel, std::int64_t slab);
   void DrawReceivers(const chi_occlusion_plan& plan, std::int64_t slab);
   void DrawBeyond(const chi_occlusion_plan& plan);
   void DrawVicinity(const chi_occlusion_plan& plan);
@@ -93,6 +102,7 @@ private:
   unsigned int Query = 0;
   bool Asked = false;
   bool Half = false;
+  bool Colored = false; // visibility has three colours
   bool Reduced = false; // the picture is smaller than the one that is handed out
   bool Drawn = false;
   std::uint64_t FrameVersion = 0;

@@ -39,18 +39,31 @@ int targetsOf(const chi_occlusion_plan& plan, int batch)
   return (std::min(plan.directions - batch * BATCH, BATCH) - 1) / FOUR + 1;
 }
 
+// The colours that a channel's light is for.
+void setColors(vtkShaderProgram* program, const chi_occlusion_plan& plan, int channel)
+{
+  float colors[3];
+  for (int c = 0; c < 3; ++c)
+  {
+    colors[c] = plan.channel_of[c] == channel ? 1.0f : 0.0f;
+  }
+  program->SetUniform3f("colors", colors);
+}
+
 const char* const lightNames[] = { "lightTexture0", "lightTexture1", "lightTexture2",
   "lightTexture3" };
 }
 
 //------------------------------------------------------------------------------
-void vtkChiOcclusionGL::DrawLight(const chi_occlusion_plan& plan, int field, std::int64_t slab)
+void vtkChiOcclusionGL::DrawLight(
+  const chi_occlusion_plan& plan, int field, int channel, std::int64_t slab)
 {
   Field& light = this->Fields[field];
-  const TextureList& from = light.Light[slab & 1];
-  const TextureList& to = light.Light[(slab & 1) ^ 1];
+  const TextureList& from = light.Light[channel][slab & 1];
+  const TextureList& to = light.Light[channel][(slab & 1) ^ 1];
+  const chi_plan_channel& attenuated = plan.channel[channel];
   const bool tau =
-    plan.field[field].volume && plan.attenuation > 0.0f && !isEmpty(plan.samples[slab]);
+    plan.field[field].volume && attenuated.attenuation > 0.0f && !isEmpty(plan.samples[slab]);
   const bool geometry = plan.surface && plan.field[field].geometry && !isEmpty(plan.blockers[slab]);
   const int batches = batchesOf(plan);
   const double scale = plan.light_scale;
@@ -59,7 +72,9 @@ void vtkChiOcclusionGL::DrawLight(const chi_occlusion_plan& plan, int field, std
     const int targets = targetsOf(plan, batch);
     vtkShaderProgram* program = this->Pass.Use(vtkChiOcclusionLightFS,
       define("TARGETS", targets) + define("HAS_TAU", tau) + define("HAS_GEOMETRY", geometry) +
-        define("CONTINUES", batch > 0) + define("LIGHT_SCALE", plan.light_scale));
+        define("CONTINUES", batch > 0) +
+        define("COLORED", isColored(plan) && batch == batches - 1) +
+        define("LIGHT_SCALE", plan.light_scale));
     if (!program)
     {
       return;
@@ -93,9 +108,9 @@ void vtkChiOcclusionGL::DrawLight(const chi_occlusion_plan& plan, int field, std
         { plan.slope_x + 0.5 * (scale - 1.0) * plan.slope_dx,
           plan.slope_y + 0.5 * (scale - 1.0) * plan.slope_dy });
       setUniform(program, "raySlopeStep", { scale * plan.slope_dx, scale * plan.slope_dy });
-      program->SetUniformf("attenuation", plan.attenuation);
-      program->SetUniformf("meanLength", plan.mean_length);
-      program->SetUniformf("thin", plan.thin);
+      program->SetUniformf("attenuation", attenuated.attenuation);
+      program->SetUniformf("meanLength", attenuated.mean_length);
+      program->SetUniformf("thin", attenuated.thin);
     }
     if (geometry)
     {
@@ -107,7 +122,13 @@ void vtkChiOcclusionGL::DrawLight(const chi_occlusion_plan& plan, int field, std
     {
       this->Pass.Read("visibilityTexture", this->Partial[(batch & 1) ^ 1]);
     }
-    this->Pass.Draw(into, plan.light[slab]);
+    const bool colored = isColored(plan) && batch == batches - 1;
+    if (colored)
+    {
+      setColors(program, plan, channel);
+    }
+    this->Pass.Draw(into, plan.light[slab],
+      colored && channel > 0 ? vtkChiQuadPass::ADD : vtkChiQuadPass::REPLACE);
   }
   this->LightUpdates += areaOf(plan.light[slab]) * plan.directions;
 }
@@ -120,8 +141,8 @@ void vtkChiOcclusionGL::DrawReceivers(const chi_occlusion_plan& plan, std::int64
   {
     return; // nothing takes light from surfaces
   }
-  vtkShaderProgram* program = this->Pass.Use(
-    vtkChiOcclusionReceiveFS, define("BEYOND", 0) + define("LIGHT_SCALE", plan.light_scale));
+  vtkShaderProgram* program = this->Pass.Use(vtkChiOcclusionReceiveFS,
+    define("BEYOND", 0) + define("LIGHT_SCALE", plan.light_scale) + defineLight(plan));
   if (program)
   {
     this->Pass.Read("surfaceTexture", this->Inputs.GetSurface());
@@ -144,27 +165,31 @@ void vtkChiOcclusionGL::DrawBeyond(const chi_occlusion_plan& plan)
   {
     return;
   }
-  const TextureList& light = this->Fields[field].Light[plan.slabs & 1];
-  for (int batch = 0; batch < batchesOf(plan); ++batch)
+  for (int channel = 0; channel < plan.channels; ++channel)
   {
-    const int targets = targetsOf(plan, batch);
-    vtkShaderProgram* program = this->Pass.Use(vtkChiOcclusionReceiveFS,
-      define("BEYOND", 1) + define("LIGHT_SCALE", plan.light_scale) + define("TARGETS", targets));
-    if (!program)
+    const TextureList& light = this->Fields[field].Light[channel][plan.slabs & 1];
+    for (int batch = 0; batch < batchesOf(plan); ++batch)
     {
-      return;
+      const int targets = targetsOf(plan, batch);
+      vtkShaderProgram* program = this->Pass.Use(vtkChiOcclusionReceiveFS,
+        define("BEYOND", 1) + define("LIGHT_SCALE", plan.light_scale) + define("TARGETS", targets));
+      if (!program)
+      {
+        return;
+      }
+      this->Pass.Read("surfaceTexture", this->Inputs.GetSurface());
+      this->Pass.Read("surfaceMoreTexture", this->Inputs.GetSurfaceMore());
+      for (int k = 0; k < targets; ++k)
+      {
+        this->Pass.Read(lightNames[k], light[static_cast<std::size_t>(batch * FOUR + k)]);
+      }
+      program->SetUniformf("above", static_cast<float>(plan.slabs - 1));
+      setUniform(program, "lightPixels", plan.light_pixels);
+      setDirections(program, plan, batch);
+      setColors(program, plan, channel);
+      this->Pass.Draw({ this->Received.Get() }, plan.beyond,
+        batch == 0 && channel == 0 ? vtkChiQuadPass::REPLACE : vtkChiQuadPass::ADD);
     }
-    this->Pass.Read("surfaceTexture", this->Inputs.GetSurface());
-    this->Pass.Read("surfaceMoreTexture", this->Inputs.GetSurfaceMore());
-    for (int k = 0; k < targets; ++k)
-    {
-      this->Pass.Read(lightNames[k], light[static_cast<std::size_t>(batch * FOUR + k)]);
-    }
-    program->SetUniformf("above", static_cast<float>(plan.slabs - 1));
-    setUniform(program, "lightPixels", plan.light_pixels);
-    setDirections(program, plan, batch);
-    this->Pass.Draw({ this->Received.Get() }, plan.beyond,
-      batch == 0 ? vtkChiQuadPass::REPLACE : vtkChiQuadPass::ADD);
   }
 }
 
@@ -176,7 +201,8 @@ void vtkChiOcclusionGL::DrawVicinity(const chi_occlusion_plan& plan)
   vtkShaderProgram* program = this->Pass.Use(vtkChiOcclusionVicinityFS,
     define("SAMPLES", near ? plan.vicinity_samples : 0) + define("LIGHTS", plan.lights) +
       define("PLANE_RULE", plan.vicinity_plane_rule) + define("PARALLEL", plan.parallel) +
-      define("COMBINE_MINIMUM", plan.combine == CHI_COMBINE_MINIMUM));
+      define("COMBINE_MINIMUM", plan.combine == CHI_COMBINE_MINIMUM) + defineLight(plan) +
+      define("COLORED", isColored(plan)));
   if (!program)
   {
     return;

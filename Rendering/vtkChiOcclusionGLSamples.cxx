@@ -48,7 +48,7 @@ void vtkChiOcclusionGL::DrawSamples(const chi_occlusion_plan& plan, std::int64_t
       define("ENTRIES", static_cast<int>(plan.entries)) +
       define("COLOR_PARTS", integrates ? plan.color_parts : 0) +
       define("COLOR_STEPS", plan.color_steps) +
-      define("TABLE_WIDTH", vtkChiOcclusionTextures::TABLE_WIDTH));
+      define("TABLE_WIDTH", vtkChiOcclusionTextures::TABLE_WIDTH) + defineLight(plan));
   if (!program)
   {
     return;

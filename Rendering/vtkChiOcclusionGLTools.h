@@ -38,6 +38,18 @@ inline std::string define(const char* name, int value)
   return std::string("#define ") + name + " " + std::to_string(value) + "\n";
 }
 
+inline bool isColored(const chi_occlusion_plan& plan)
+{
+  return plan.channels > 1;
+}
+
+// The type of light in shaders, and where it stands in textures.
+inline std::string defineLight(const chi_occlusion_plan& plan)
+{
+  return isColored(plan) ? "#define LIGHT vec3\n#define CHANNELS rgb\n"
+                         : "#define LIGHT float\n#define CHANNELS r\n";
+}
+
 // Narrowed for the shader.
 template <std::size_t N>
 void setUniform(vtkShaderProgram* program, const char* name, const double (&value)[N])

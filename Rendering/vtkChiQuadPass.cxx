@@ -154,7 +154,7 @@ void vtkChiQuadPass::Draw(
     const unsigned int factor = blending == UNDER ? GL_ONE_MINUS_DST_ALPHA : GL_ONE;
     state->vtkglEnable(GL_BLEND);
     state->vtkglBlendFuncSeparate(factor, GL_ONE, factor, GL_ONE);
-    for (std::size_t i = 1; i < targets.size() && blending == UNDER; ++i)
+    for (std::size_t i = 1; i < targets.size(); ++i)
     {
       glDisablei(GL_BLEND, static_cast<unsigned int>(i));
     }

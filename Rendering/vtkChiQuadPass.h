@@ -30,7 +30,7 @@ public:
   {
     REPLACE,
     UNDER, // target 0: what is there stays in front; further targets are replaced
-    ADD
+    ADD    // likewise: to what is there
   };
 
   // All draws lie between these two; OpenGL's state is afterwards as it was.

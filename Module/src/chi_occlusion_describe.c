@@ -202,9 +202,18 @@ static void describe_scene(chi_occlusion_plan* plan, const chi_scene* s)
   }
   plan->light_pixels[0] = s->pixels_x;
   plan->light_pixels[1] = s->pixels_y;
-  plan->attenuation = s->factor[0];
-  plan->mean_length = s->mean_length * s->factor[0];
-  plan->thin = CHI_THIN / plan->mean_length;
+  plan->channels = s->channels;
+  for (int c = 0; c < 3; ++c)
+  {
+    plan->channel_of[c] = s->channel_of[c];
+  }
+  for (int c = 0; c < s->channels; ++c)
+  {
+    chi_plan_channel* const channel = plan->channel + c;
+    channel->attenuation = s->factor[c];
+    channel->mean_length = s->mean_length * s->factor[c];
+    channel->thin = CHI_THIN / channel->mean_length;
+  }
   for (int i = 0; i < 3; ++i)
   {
     chi_light_weights(s->scale, 0.25 * (i - 1) * (s->scale == 1 ? 0 : 1), plan->light_weight[i]);

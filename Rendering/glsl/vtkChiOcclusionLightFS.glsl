@@ -33,6 +33,9 @@ uniform sampler2D surfaceTexture;     // ..., slabs that a surface begins and en
 uniform sampler2D surfaceMoreTexture; // share of light that it blocks, ...
 uniform float slab;
 #endif
+#if COLORED
+uniform vec3 colors; // 1: those that this light is for
+#endif
 #if CONTINUES
 uniform sampler2D visibilityTexture; // of the directions that came before
 #endif
@@ -151,7 +154,11 @@ void main()
     light[k] *= geometry;
 #endif
   }
+#if COLORED
+  gl_FragData[0] = vec4(sum * colors, 0.0);
+#else
   gl_FragData[0] = vec4(sum);
+#endif
   gl_FragData[1] = light[0];
 #if TARGETS > 1
   gl_FragData[2] = light[1];

@@ -11,16 +11,22 @@ uniform vec3 planeRange;    // plane of the first slice, counted from planeTextu
 uniform vec3 lightWeight[3]; // of light pixels -1, 0, 1 at offsets -1/4, 0, 1/4
 uniform float strength;
 
-vec3 planesAt(ivec2 q, ivec2 last)
+// Visibility at the three of them.
+struct Planes
+{
+  LIGHT first, second, third;
+};
+
+Planes planesAt(ivec2 q, ivec2 last)
 {
   q = clamp(q, ivec2(0), last);
-  vec3 v = vec3(texelFetch(planeTexture0, q, 0).r, texelFetch(planeTexture1, q, 0).r,
-    texelFetch(planeTexture2, q, 0).r);
-  return mix(vec3(1.0), v, planeThere);
+  return Planes(mix(LIGHT(1.0), texelFetch(planeTexture0, q, 0).CHANNELS, planeThere.x),
+    mix(LIGHT(1.0), texelFetch(planeTexture1, q, 0).CHANNELS, planeThere.y),
+    mix(LIGHT(1.0), texelFetch(planeTexture2, q, 0).CHANNELS, planeThere.z));
 }
 
-// Visibility at the three planes, before it is cut to 0 ... 1. Eq. 5.
-vec3 planesHere(ivec2 pixel)
+// At a pixel, before it is cut to 0 ... 1. Eq. 5.
+Planes planesHere(ivec2 pixel)
 {
   ivec2 last = textureSize(planeTexture0, 0) - 1;
 #if LIGHT_SCALE == 1
@@ -28,26 +34,29 @@ vec3 planesHere(ivec2 pixel)
 #else
   vec3 u = (pixel.x & 1) == 0 ? lightWeight[0] : lightWeight[2];
   vec3 v = (pixel.y & 1) == 0 ? lightWeight[0] : lightWeight[2];
-  vec3 sum = vec3(0.0);
+  Planes sum = Planes(LIGHT(0.0), LIGHT(0.0), LIGHT(0.0));
   for (int b = 0; b < 3; ++b)
   {
     for (int a = 0; a < 3; ++a)
     {
-      sum += u[a] * v[b] * planesAt(pixel / 2 + ivec2(a - 1, b - 1), last);
+      Planes at = planesAt(pixel / 2 + ivec2(a - 1, b - 1), last);
+      sum.first += u[a] * v[b] * at.first;
+      sum.second += u[a] * v[b] * at.second;
+      sum.third += u[a] * v[b] * at.third;
     }
   }
   return sum;
 #endif
 }
 
-float visibilityAt(vec3 planes, int segment)
+LIGHT visibilityAt(Planes planes, int segment)
 {
   float plane = min(planeRange.x + float(segment) * planeRange.y, planeRange.z);
   // plane -1 and all before it: all light
   float low = clamp(1.0 - abs(plane), 0.0, 1.0);
   float middle = clamp(1.0 - abs(plane - 1.0), 0.0, 1.0);
   float high = clamp(1.0 - abs(plane - 2.0), 0.0, 1.0);
-  float v = low * planes.x + middle * planes.y + high * planes.z;
+  LIGHT v = low * planes.first + middle * planes.second + high * planes.third;
   return clamp(1.0 - strength * (low + middle + high - v), 0.0, 1.0);
 }
 #endif

@@ -22,6 +22,7 @@ uniform sampler2D lightTexture3;
 uniform vec2 direction[16];
 uniform vec4 share[4];
 uniform vec2 lightPixels; // light pixels a unit of shift
+uniform vec3 colors;      // 1: those that this light is for
 
 vec4 tap(sampler2D from, vec2 at)
 {
@@ -61,7 +62,7 @@ void main()
 #if TARGETS > 3
   sum += four(lightTexture3, 3, at, unit);
 #endif
-  gl_FragData[0] = vec4(sum);
+  gl_FragData[0] = vec4(sum * colors, 0.0);
 }
 
 #else
@@ -88,10 +89,12 @@ void main()
     discard;
   }
   ivec2 size = textureSize(planeTexture0, 0);
-  vec2 sum = vec2(0.0);
 #if LIGHT_SCALE == 1
-  sum = vec2(texelFetch(planeTexture0, pixel, 0).r, texelFetch(planeTexture1, pixel, 0).r);
+  LIGHT below = texelFetch(planeTexture0, pixel, 0).CHANNELS;
+  LIGHT upper = texelFetch(planeTexture1, pixel, 0).CHANNELS;
 #else
+  LIGHT below = LIGHT(0.0);
+  LIGHT upper = LIGHT(0.0);
   vec3 u = weights(pixel.x, size.x);
   vec3 v = weights(pixel.y, size.y);
   for (int b = 0; b < 3; ++b)
@@ -99,12 +102,13 @@ void main()
     for (int a = 0; a < 3; ++a)
     {
       ivec2 q = clamp(pixel / 2 + ivec2(a - 1, b - 1), ivec2(0), size - 1);
-      sum += u[a] * v[b] *
-        vec2(texelFetch(planeTexture0, q, 0).r, texelFetch(planeTexture1, q, 0).r);
+      below += u[a] * v[b] * texelFetch(planeTexture0, q, 0).CHANNELS;
+      upper += u[a] * v[b] * texelFetch(planeTexture1, q, 0).CHANNELS;
     }
   }
 #endif
-  sum = mix(vec2(1.0), clamp(sum, 0.0, 1.0), planeThere);
-  gl_FragData[0] = vec4(mix(sum.x, sum.y, plane - above + 1.0));
+  below = mix(LIGHT(1.0), clamp(below, 0.0, 1.0), planeThere.x);
+  upper = mix(LIGHT(1.0), clamp(upper, 0.0, 1.0), planeThere.y);
+  gl_FragData[0].CHANNELS = mix(below, upper, plane - above + 1.0);
 }
 #endif

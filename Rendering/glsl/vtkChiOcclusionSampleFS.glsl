@@ -83,7 +83,7 @@ void main()
     float before = -1.0;
     bool known = false; // before: the table position at the near slice
 #if HAS_LIGHT
-    vec3 planes = vec3(0.0);
+    Planes planes = Planes(LIGHT(1.0), LIGHT(1.0), LIGHT(1.0));
     bool lit = false; // planes are those of this pixel
 #endif
     int begin = max(int(floor(enter)), 0);
@@ -149,7 +149,7 @@ void main()
         planes = planesHere(ivec2(pixel));
         lit = true;
       }
-      weight *= visibilityAt(planes, i);
+      rgb *= visibilityAt(planes, i);
 #endif
       color.rgb += weight * rgb;
     }

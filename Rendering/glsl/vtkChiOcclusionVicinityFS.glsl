@@ -82,18 +82,23 @@ float vicinity(ivec2 pixel, float z)
 void main()
 {
   ivec2 pixel = ivec2(texCoord * targetSize);
-  float v = texelFetch(visibilityTexture, pixel, 0).r;
+  LIGHT v = texelFetch(visibilityTexture, pixel, 0).CHANNELS;
 #if SAMPLES > 0
   float z = depthAt(pixel);
   if (z < none)
   {
     float near = vicinity(pixel, z);
 #if COMBINE_MINIMUM
-    v = min(v, near);
+    v = min(v, LIGHT(near));
 #else
     v *= near;
 #endif
   }
 #endif
-  gl_FragData[0] = vec4(1.0 - strength * (1.0 - v));
+  v = 1.0 - strength * (1.0 - v);
+#if COLORED
+  gl_FragData[0] = vec4(v, (v.r + v.g + v.b) / 3.0);
+#else
+  gl_FragData[0] = vec4(v);
+#endif
 }

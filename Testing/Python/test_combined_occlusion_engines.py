@@ -395,7 +395,6 @@ class WhichEngine(unittest.TestCase):
             ("cropping", cropped),
             ("shading", lambda mapper: shaded.ShadeOn()),
             ("opacity by gradients", gradients),
-            ("coloured", lambda mapper: mapper.SetAttenuationColor(1.0, 0.5, 0.2)),
         ):
             with self.subTest(word):
                 self.check_stand_in(word, setup, shaded if "gradients" in word or word == "shading" else None)

@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The engines' pictures where pixels are fewer or shared: reduced pictures."""
+"""The engines' pictures where pixels are fewer, and under light of several colours."""
 import unittest
 
+import numpy as np
 from engine_agreement import CPU, OPENGL, SCENE, Agreement, differences, fog, render, shells, tubes, visibility_of
-from occlusion_scene import float_image
+from occlusion_scene import Scene, float_image
 
 STILL, FASTEST = 0.001, 1.0e9  # frames a second that are wished
 
@@ -16,26 +17,32 @@ class ReducedPictures(Agreement):
         """Picture and visibility of interactive frames, by the reduction 4, 3, 2 that they use.
 
         Which one it is the mapper chooses by the time that the last frames took, but for the first one.
-        So the wished rate is raised and lowered, with slices two voxels apart in all, until it comes.
+        So the allotted time is narrowed down, with slices two voxels apart in all, until it comes; a
+        machine with other things to do takes now more, now less, hence from the beginning now and then.
         """
 
         def hurry(scene):
             scene.window.SetDesiredUpdateRate(FASTEST)
 
         found = {}
-        rate = FASTEST
         try:
             _, _, mapper = render(engine, content, look=hurry, size=self.SIZE, **options)
             widest = mapper.GetUsedSampleDistance()
             for reduction in (4, 3, 2):
-                for _ in range(300):
+                for attempt in range(600):
                     self.assertEqual(mapper.GetEngineInUse(), engine, mapper.GetEngineReason())
                     used = mapper.GetUsedImageReduction(), mapper.GetUsedSampleDistance()
                     if used == (reduction, widest):
                         found[reduction] = float_image(mapper), visibility_of(mapper)
                         break
-                    rate *= 0.6 if used[0] > reduction else 1.3
-                    SCENE.window.SetDesiredUpdateRate(rate)
+                    if attempt % 20 == 0:
+                        times = [1.0e-7, 0.9]  # too short, too long
+                    elif used[0] > reduction:
+                        times[0] = allotted
+                    else:
+                        times[1] = allotted
+                    allotted = (times[0] * times[1]) ** 0.5
+                    SCENE.window.SetDesiredUpdateRate(1.0 / allotted)
                     SCENE.window.Render()
         finally:
             SCENE.window.SetDesiredUpdateRate(STILL)
@@ -68,6 +75,79 @@ class ReducedPictures(Agreement):
             for parallel in (False, True):
                 with self.subTest(content=content.__name__, parallel=parallel):
                     self.check_reduced(content, geometry=tubes, parallel=parallel)
+
+
+class ColoredLight(Agreement):
+    COLORS = ((1.0, 0.5, 0.2), (0.3, 1.0, 0.3), (0.0, 1.0, 2.0))  # three channels, two, one that nothing takes
+
+    def check_colored(self, content, color, setup=lambda mapper: None, **options):
+        def colored(mapper):
+            setup(mapper)
+            mapper.SetAttenuationColor(*color)
+
+        self.check(content, setup=colored, without={"setup": setup}, **options)
+
+    def test_fog_and_shells(self):
+        for content in (fog, shells):
+            for k, color in enumerate(self.COLORS):
+                for parallel in (False, True):
+                    half = (k + parallel) % 2
+                    with self.subTest(content=content.__name__, color=color, parallel=parallel, half=half):
+                        self.check_colored(
+                            content, color, lambda mapper: mapper.SetOcclusionResolution(half), parallel=parallel
+                        )
+
+    def test_geometry(self):
+        for content, color in zip((fog, shells, fog), self.COLORS):
+            for parallel in (False, True):
+                with self.subTest(content=content.__name__, color=color, parallel=parallel):
+                    self.check_colored(content, color, geometry=tubes, parallel=parallel)
+
+    def test_many_directions_of_two_lights_and_vicinity(self):
+        for directions in (5, 17, 40):
+            with self.subTest(directions=directions):
+
+                def setup(mapper):
+                    mapper.SetNumberOfDirections(directions)
+                    mapper.SetSecondLightDirection(-0.5, 0.1, 1.0)
+                    mapper.SetSecondLightShare(0.3)
+                    mapper.SetVicinityDistance(0.03)
+                    mapper.SetCombineMode(directions % 2)
+
+                self.check_colored(fog, self.COLORS[0], setup, geometry=tubes)
+
+    def test_who_darkens_whom(self):
+        for bits in (1, 2, 6, 9, 11, 12):
+            with self.subTest(bits=bits):
+
+                def setup(mapper):
+                    mapper.SetAttenuationColor(1.0, 0.5, 0.2)
+                    mapper.SetVolumeToVolume(bool(bits & 1))
+                    mapper.SetVolumeToGeometry(bool(bits & 2))
+                    mapper.SetGeometryToVolume(bool(bits & 4))
+                    mapper.SetGeometryToGeometry(bool(bits & 8))
+
+                self.check(fog, setup=setup, geometry=tubes, darkens=False)
+
+    def test_what_the_window_shows(self):
+        for samples in (0, 4):  # geometry is rewritten, or what is there is darkened by colours
+            pictures = []
+            for engine in (CPU, OPENGL):
+                scene = Scene((60, 50), background=(0.2, 0.3, 0.4))
+                scene.window.SetMultiSamples(samples)
+                _, mapper = scene.add_volume(*fog())
+                mapper.SetEngine(engine)
+                tubes(scene)
+                scene.look((-0.5, -0.35, -0.8), half=1.4, parallel=False)
+                grey = scene.pixels()
+                mapper.SetAttenuationColor(*self.COLORS[0])
+                pictures.append(scene.pixels())
+                self.assertEqual(mapper.GetEngineInUse(), engine)
+            everywhere = np.ones(grey.shape[:2], bool)
+            mean, most = differences(*pictures, everywhere)
+            self.assertLessEqual(mean, self.MEAN)
+            self.assertLessEqual(most, self.PERCENTILE_99)
+            self.assertGreater(differences(pictures[0], grey, everywhere)[0], 5.0 * self.MEAN)
 
 
 if __name__ == "__main__":

@@ -77,6 +77,15 @@ typedef struct chi_plan_field
   int32_t volume, geometry;
 } chi_plan_field;
 
+/** How light of one factor of the optical thickness is attenuated. */
+typedef struct chi_plan_channel
+{
+  float attenuation; /**< that factor */
+  float mean_length; /**< mean path a unit depth, times that factor */
+  float thin;        /**< thickness below which that of a light pixel is the plain mean */
+  float reserved;
+} chi_plan_channel;
+
 typedef struct chi_occlusion_plan
 {
   size_t struct_size;
@@ -124,10 +133,10 @@ typedef struct chi_occlusion_plan
   /* Light. */
   float direction[CHI_PLAN_DIRECTIONS][2]; /**< slopes */
   float share[CHI_PLAN_DIRECTIONS];        /**< of the visibility */
-  float attenuation;                       /**< factor of the optical thickness */
-  float mean_length;                       /**< mean path a unit depth, times that factor */
-  float thin;             /**< thickness below which that of a light pixel is the plain mean */
-  double light_pixels[2]; /**< light pixels a unit of shift and slope */
+  int32_t channels;      /**< 1 ... 3 sets of light buffers, of light that is attenuated alike */
+  int32_t channel_of[3]; /**< that red, green and blue see */
+  chi_plan_channel channel[3]; /**< [channels] */
+  double light_pixels[2];      /**< light pixels a unit of shift and slope */
   /** Of light pixels -1, 0, 1 at offsets -1/4, 0, 1/4 from the middle one */
   double light_weight[3][3];
   chi_plan_field field[2];
