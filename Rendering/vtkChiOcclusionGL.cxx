@@ -24,7 +24,8 @@ namespace
 constexpr int CHECK = 8; // slabs from one look at what is still alive to the next
 
 // CHI_FEATURE_... that the shaders do.
-constexpr std::uint64_t KNOWN = CHI_FEATURE_REDUCTION | CHI_FEATURE_COLORED;
+constexpr std::uint64_t KNOWN =
+  CHI_FEATURE_REDUCTION | CHI_FEATURE_COLORED | CHI_FEATURE_SHADING | CHI_FEATURE_GRADIENT_OPACITY;
 }
 
 //------------------------------------------------------------------------------

@@ -20,6 +20,7 @@
 #include <vector>
 
 class vtkOpenGLRenderWindow;
+class vtkShaderProgram;
 
 // The OpenGL engine: carries the core's plan of a frame out in fragment shaders, slab by slab, and
 // leaves the picture in textures. OpenGL 3.2 core, one quad a pass.
@@ -77,6 +78,8 @@ private:
   void Clear(const chi_occlusion_plan& plan);
   void DrawSlabs(const chi_occlusion_plan& plan);
   void DrawSamples(const chi_occlusion_plan& plan, std::int64_t slab);
+  static std::string DefineShading(const chi_occlusion_plan& plan);
+  void SetShading(vtkShaderProgram* program, const chi_occlusion_plan& plan);
   void DrawLight(const chi_occlusion_plan& plan, int field, int channel, std::int64_t slab);
   void DrawReceivers(const chi_occlusion_plan& plan, std::int64_t slab);
   void DrawBeyond(const chi_occlusion_plan& plan);

@@ -8,6 +8,7 @@
 #include "vtkChiOcclusionGLTools.h"
 #include "vtkChiOcclusionPlanesFunctions.h"
 #include "vtkChiOcclusionSampleFS.h"
+#include "vtkChiOcclusionShadeFunctions.h"
 
 #include "vtkShaderProgram.h"
 
@@ -26,7 +27,7 @@ const char* sampleShader()
     std::string source = vtkChiOcclusionSampleFS;
     vtkShaderProgram::Substitute(source, "//CHI::Functions::Dec",
       std::string(vtkChiOcclusionFetchFunctions) + vtkChiOcclusionClassifyFunctions +
-        vtkChiOcclusionPlanesFunctions);
+        vtkChiOcclusionPlanesFunctions + vtkChiOcclusionShadeFunctions);
     return source;
   }();
   return whole.c_str();
@@ -48,7 +49,8 @@ void vtkChiOcclusionGL::DrawSamples(const chi_occlusion_plan& plan, std::int64_t
       define("ENTRIES", static_cast<int>(plan.entries)) +
       define("COLOR_PARTS", integrates ? plan.color_parts : 0) +
       define("COLOR_STEPS", plan.color_steps) +
-      define("TABLE_WIDTH", vtkChiOcclusionTextures::TABLE_WIDTH) + defineLight(plan));
+      define("TABLE_WIDTH", vtkChiOcclusionTextures::TABLE_WIDTH) + defineLight(plan) +
+      this->DefineShading(plan));
   if (!program)
   {
     return;
@@ -108,6 +110,7 @@ void vtkChiOcclusionGL::DrawSamples(const chi_occlusion_plan& plan, std::int64_t
     program->SetUniformf("strength", static_cast<float>(plan.strength));
     setWeights(program, plan);
   }
+  this->SetShading(program, plan);
   const chi_rect& rect = plan.samples[slab];
   if (plan.fields > 0)
   {

@@ -82,7 +82,8 @@ bool vtkChiOcclusionTextures::Update(vtkOpenGLRenderWindow* window, const chi_oc
   bool good = true;
   if (plan.scalars)
   {
-    good = this->UpdateVolume(window, plan) && this->UpdateTables(window, plan);
+    good = this->UpdateVolume(window, plan) && this->UpdateTables(window, plan) &&
+      this->UpdateShading(window, plan);
   }
   if (plan.surface)
   {
@@ -154,6 +155,31 @@ bool vtkChiOcclusionTextures::UpdateTables(
 }
 
 //------------------------------------------------------------------------------
+bool vtkChiOcclusionTextures::UpdateShading(
+  vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan)
+{
+  const float* opacity = plan.shading ? plan.shading->gradient_opacity : nullptr;
+  if (!opacity)
+  {
+    this->GradientOpacity->ReleaseGraphicsResources(window);
+    return true;
+  }
+  this->GradientOpacity->SetContext(window);
+  if (this->GradientOpacity->GetHandle() != 0 && this->ShadingVersion == plan.table_version)
+  {
+    return true;
+  }
+  this->ShadingVersion = plan.table_version;
+  const std::size_t width = TABLE_WIDTH;
+  const std::size_t entries = static_cast<std::size_t>(plan.shading->gradient_end) + 1;
+  const std::size_t height = (entries - 1) / width + 1;
+  std::vector<float> values(opacity, opacity + entries);
+  values.resize(width * height);
+  return upload(
+    this->GradientOpacity, window, { GL_R32F, GL_RED, VTK_FLOAT, 1 }, width, height, values.data());
+}
+
+//------------------------------------------------------------------------------
 bool vtkChiOcclusionTextures::UpdateSurfaces(
   vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan)
 {
@@ -190,7 +216,8 @@ void vtkChiOcclusionTextures::ReleaseGraphicsResources(vtkWindow* window)
 {
   for (vtkTextureObject* texture : { this->Volume.Get(), this->Bricks.Get(), this->Sums.Get(),
          this->Sigma.Get(), this->Colors.Get(), this->ColorSums.Get(), this->ColorMeans.Get(),
-         this->Surface.Get(), this->SurfaceMore.Get(), this->Guide.Get() })
+         this->GradientOpacity.Get(), this->Surface.Get(), this->SurfaceMore.Get(),
+         this->Guide.Get() })
   {
     texture->ReleaseGraphicsResources(window);
   }

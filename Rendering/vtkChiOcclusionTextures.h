@@ -39,6 +39,7 @@ public:
   vtkTextureObject* GetColors() { return this->Colors; }
   vtkTextureObject* GetColorSums() { return this->ColorSums; }
   vtkTextureObject* GetColorMeans() { return this->ColorMeans; }
+  vtkTextureObject* GetGradientOpacity() { return this->GradientOpacity; }
   vtkTextureObject* GetSurface() { return this->Surface; }
   vtkTextureObject* GetSurfaceMore() { return this->SurfaceMore; }
   vtkTextureObject* GetGuide() { return this->Guide; }
@@ -46,6 +47,7 @@ public:
 private:
   bool UpdateVolume(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
   bool UpdateTables(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
+  bool UpdateShading(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
   bool UpdateSurfaces(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
   bool UpdateGuide(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
 
@@ -56,11 +58,13 @@ private:
   vtkNew<vtkTextureObject> Colors;
   vtkNew<vtkTextureObject> ColorSums;
   vtkNew<vtkTextureObject> ColorMeans;
+  vtkNew<vtkTextureObject> GradientOpacity;
   vtkNew<vtkTextureObject> Surface;
   vtkNew<vtkTextureObject> SurfaceMore;
   vtkNew<vtkTextureObject> Guide;
   std::uint64_t VolumeVersion = 0;
   std::uint64_t TableVersion = 0;
+  std::uint64_t ShadingVersion = 0;
   std::uint64_t FrameVersion = 0;
 };
 

@@ -11,6 +11,7 @@
 typedef struct chi_plan_keep
 {
   chi_occlusion_plan plan;
+  chi_plan_shading shading;
   chi_buffer shifts, rects, surface, planes, guide;
 } chi_plan_keep;
 

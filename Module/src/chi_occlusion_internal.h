@@ -253,11 +253,11 @@ chi_status chi_vicinity(const chi_exec* exec, const chi_scene* scene,
   const chi_surface_view* surface, const chi_occlusion_params* params, float* visibility,
   size_t colors);
 
-/* Gradients: whether what a frame says of them is valid, whether it asks for them, and what the
- * kernels need (chi_shading.c). */
+/* Gradients: whether what a frame says of them is valid, whether it asks for them, and what both
+ * engines need (chi_shading.c). */
 int chi_shading_is_valid(const chi_shading_view* shading); /* NULL is */
 int chi_gradient_opacity_is_valid(const chi_transfer_view* transfer);
-int chi_shading_prepare(chi_shade_frame* out, const chi_occlusion_frame* frame,
+int chi_shading_prepare(chi_plan_shading* out, const chi_occlusion_frame* frame,
   const chi_bricks* bricks, const chi_transfer_plane* plane,
   int* needed); /* 0: a matrix is singular */
 

@@ -83,7 +83,7 @@ typedef struct march
   const chi_occlusion_kernels* kernels;
   chi_march* keep;
   chi_sample_frame sample, second;
-  chi_shade_frame shade;
+  chi_plan_shading shade;
   const chi_bricks* bricks;
   const chi_classification* classification;
   chi_sample_frame more[CHI_MAX_COMPONENTS - 1];

@@ -310,7 +310,8 @@ static double longest_ray(const chi_scene* s)
 float chi_march_color_step(
   const chi_scene* s, const chi_classification* c, const chi_occlusion_params* params)
 {
-  return params->color_integration == CHI_COLOR_MIDDLE || c->tables > 1
+  /* several tables, or rows of one, take the middle's */
+  return params->color_integration == CHI_COLOR_MIDDLE || c->tables > 1 || c->plane.count[0]
     ? INFINITY
     : chi_classification_color_step(c, s->slice * longest_ray(s));
 }
@@ -380,9 +381,9 @@ static chi_status set_sample_frame(march* m)
   f->shade = shaded ? &m->shade : NULL;
   f->general = f->general || shaded;
   m->second = *f; /* the other quantity's samples lie as the volume's do */
-  m->second.scalars = m->frame->transfer->y_samples;
+  m->second.scalars = m->shade.plane_second;
   m->second.fetch = CHI_FETCH_F32;
-  m->shade.second = m->frame->transfer->plane && m->second.scalars ? &m->second : NULL;
+  f->second = m->shade.plane_second ? &m->second : NULL;
   f->components = NULL;
   if (m->frame->components)
   {

@@ -90,12 +90,12 @@ void chi_shading_make_key(chi_shading_key* key, const chi_shading_view* s)
 }
 
 static void prepare_light(
-  chi_kernel_light* out, const chi_shading_light* l, double diffuse, double specular)
+  chi_plan_light* out, const chi_shading_light* l, double diffuse, double specular)
 {
   const int positional = l->kind == CHI_LIGHT_POSITIONAL;
   const double length = l->kind == CHI_LIGHT_EYE ? 1 : length3(l->direction);
   const double* const a = l->attenuation;
-  out->kind = (int)l->kind;
+  out->kind = (int32_t)l->kind;
   for (int c = 0; c < 3; ++c)
   {
     out->direction[c] = (float)(l->direction[c] / length);
@@ -114,14 +114,14 @@ static void prepare_light(
   out->exponent = (float)l->exponent;
 }
 
-static void prepare_material(chi_shade_frame* out, const chi_shading_view* s)
+static void prepare_material(chi_plan_shading* out, const chi_shading_view* s)
 {
   out->lit = 1;
   out->two_sided = s->two_sided != 0;
   out->ambient = (float)s->ambient;
   out->power = (float)s->specular_power;
   out->limit = s->unclamped ? INFINITY : 1;
-  out->light_count = (int)s->light_count;
+  out->light_count = (int32_t)s->light_count;
   for (int c = 0; c < 3; ++c)
   {
     out->ambient_light[c] = (float)s->ambient_light[c];
@@ -134,7 +134,7 @@ static void prepare_material(chi_shade_frame* out, const chi_shading_view* s)
   }
 }
 
-int chi_shading_prepare(chi_shade_frame* out, const chi_occlusion_frame* frame,
+int chi_shading_prepare(chi_plan_shading* out, const chi_occlusion_frame* frame,
   const chi_bricks* bricks, const chi_transfer_plane* plane, int* needed)
 {
   const chi_transfer_view* const t = frame->transfer;
@@ -168,7 +168,7 @@ int chi_shading_prepare(chi_shade_frame* out, const chi_occlusion_frame* frame,
        * there is no difference. */
       const double share =
         bricks->dimensions[a] > 1 ? 0.5 * edges / (range * bricks->copy_scale) : 0;
-      out->normal[c][a] = (float)(share * to_index[4 * a + c]);
+      out->gradient[c][a] = (float)(share * to_index[4 * a + c]);
     }
   }
   if (t->plane)
@@ -176,9 +176,10 @@ int chi_shading_prepare(chi_shade_frame* out, const chi_occlusion_frame* frame,
     /* y_samples in their own units, gradients in shares of the scalar's range */
     const double entries = (double)(plane->count[1] - 1);
     const double scale = entries / (t->plane_range[1] - t->plane_range[0]);
-    out->plane_sigma = (const chi_sigma_entry*)plane->sigma.data;
+    out->plane_table = (const chi_plan_entry*)plane->sigma.data;
     out->plane_rgba = (const float(*)[4])plane->rgba.data;
     out->plane_quantum = plane->quantum;
+    out->plane_second = t->y_samples;
     out->plane_row = (int32_t)plane->count[0];
     out->plane_base = (float)(t->plane_range[0] / (t->y_samples ? 1 : range));
     out->plane_scale = (float)(scale * (t->y_samples ? 1 : range));

@@ -14,6 +14,13 @@ float scalarAt(ivec3 i)
   return float(texelFetch(volumeTexture, i, 0).r);
 }
 
+// At (y, z) of (first, first), (second, first), (first, second), (second, second).
+vec4 samplesAt(int x, ivec2 y, ivec2 z)
+{
+  return vec4(scalarAt(ivec3(x, y.x, z.x)), scalarAt(ivec3(x, y.y, z.x)),
+    scalarAt(ivec3(x, y.x, z.y)), scalarAt(ivec3(x, y.y, z.y)));
+}
+
 float fetchScalar(vec3 p)
 {
 #if NEAREST
@@ -23,10 +30,8 @@ float fetchScalar(vec3 p)
   ivec3 i = min(ivec3(p), max(last - 1, ivec3(0)));
   ivec3 j = min(i + 1, last);
   vec3 f = p - vec3(i);
-  vec4 a = vec4(scalarAt(i), scalarAt(ivec3(i.x, j.y, i.z)), scalarAt(ivec3(i.x, i.y, j.z)),
-    scalarAt(ivec3(i.x, j.yz)));
-  vec4 b = vec4(scalarAt(ivec3(j.x, i.yz)), scalarAt(ivec3(j.xy, i.z)),
-    scalarAt(ivec3(j.x, i.y, j.z)), scalarAt(j));
+  vec4 a = samplesAt(i.x, ivec2(i.y, j.y), ivec2(i.z, j.z));
+  vec4 b = samplesAt(j.x, ivec2(i.y, j.y), ivec2(i.z, j.z));
   vec4 line = a + f.x * (b - a);
   vec2 plane = line.xz + f.y * (line.yw - line.xz);
   return plane.x + f.z * (plane.y - plane.x);

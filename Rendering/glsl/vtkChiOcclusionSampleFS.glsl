@@ -77,6 +77,7 @@ void main()
 #if HAS_SURFACE
     float surface = texelFetch(surfaceTexture, ivec2(pixel), 0).r - firstSlice;
 #endif
+    vec3 lastIndex = vec3(textureSize(volumeTexture, 0) - 1);
     vec2 slope = raySlope + pixel * raySlopeStep;
     float ray = sqrt(1.0 + dot(slope, slope));
     float through = 1.0;
@@ -119,6 +120,18 @@ void main()
         continue;
       }
       float depth = meanExtinction(t0, t) * (fraction * slice);
+#if HAS_GRADIENT
+      vec3 middle = p + (stop - 0.5 * fraction) * q;
+      float whole = depth * ray; // the colour's, which knows neither gradients nor surfaces
+      if (!(depth > 0.0))
+      {
+        continue;
+      }
+      vec3 gradient = gradientAt(clamp(middle, vec3(0.0), lastIndex));
+#endif
+#if HAS_GRADIENT_OPACITY
+      depth *= gradientOpacity(length(gradient));
+#endif
       thickness += depth;
 #if HAS_SURFACE
       depth *= clamp(surface - near, 0.0, fraction) / max(fraction, 1e-30);
@@ -129,27 +142,39 @@ void main()
       }
       float tau = depth * ray;
       float weight = through * (1.0 - exp(-tau));
-      through -= weight;
       float change = t0 < 0.0 ? 0.0 : t - t0;
       vec3 rgb;
 #if COLOR_PARTS > 0
+#if HAS_GRADIENT
+      float seen = through * (1.0 - exp(-whole));
+#else
+      float whole = tau;
+      float seen = weight;
+#endif
       // The weight as if nothing lay before this slab: no less is integrated than in the core.
-      if (abs(change) > colorStep && abs(change) * weight > colorWorth)
+      if (abs(change) > colorStep && abs(change) * seen > colorWorth)
       {
-        rgb = integrateColors(t0, change, tau);
+        rgb = integrateColors(t0, change, whole);
       }
       else
 #endif
       {
         rgb = texelFetch(colorTexture, entryPlace(int(t - 0.5 * change + 0.5)), 0).rgb;
       }
+      through -= weight;
+      vec3 visibility = vec3(1.0);
 #if HAS_LIGHT
       if (!lit)
       {
         planes = planesHere(ivec2(pixel));
         lit = true;
       }
-      rgb *= visibilityAt(planes, i);
+      visibility = vec3(visibilityAt(planes, i));
+#endif
+#if IS_SHADED
+      rgb = shade(rgb, gradient, middle, visibility);
+#else
+      rgb *= visibility;
 #endif
       color.rgb += weight * rgb;
     }

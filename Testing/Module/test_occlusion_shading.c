@@ -516,6 +516,45 @@ static void every_sample_type_gives_the_same_picture(void)
   }
 }
 
+/* The gradient belongs to the sample, in the middle of its segment, and not to the segment's end.
+ */
+static void nearest_gradients_look_the_same_from_both_sides(void)
+{
+  const double turned[9] = { -1, 0, 0, 0, 1, 0, 0, 0, -1 };
+  static float alpha[2][PIXELS * PIXELS];
+  for (int side = 0; side < 2; ++side)
+  {
+    uint32_t state = 7;
+    scene_init(side ? turned : identity);
+    the.volume.interpolation = CHI_NEAREST;
+    the.params.sample_distance = 0.5; /* middles lie a quarter of a voxel off its faces */
+    the.transfer.gradient_opacity = the.share;
+    the.transfer.gradient_end = 100;
+    for (int i = 0; i < ENTRIES; ++i)
+    {
+      the.share[i] = (float)i / (ENTRIES - 1);
+    }
+    for (int i = 0; i < COUNT; ++i)
+    {
+      the.scalars[i] = (float)(200 * chi_test_random(&state) - 100);
+    }
+    const float* const rgba = render(NULL, CHI_OK);
+    for (int i = 0; i < PIXELS * PIXELS; ++i)
+    {
+      alpha[side][i] = rgba[4 * i + 3];
+    }
+  }
+  double largest = 0, most = 0;
+  for (int i = 0; i < PIXELS * PIXELS; ++i)
+  {
+    const int mirrored = i - i % PIXELS + PIXELS - 1 - i % PIXELS;
+    largest = fmax(largest, fabs((double)alpha[0][i] - (double)alpha[1][mirrored]));
+    most = fmax(most, (double)alpha[0][i]);
+  }
+  CHECK(most > 0.3);
+  CHECK(largest < 1e-5); /* products of 46 floats in the other order */
+}
+
 static void without_a_gradient_the_ambient_light_is_left(void)
 {
   scene_init(identity);
@@ -833,6 +872,7 @@ int main(void)
   gradient_opacity_scales_the_optical_thickness();
   a_ball_under_lights_of_every_kind_equals_a_march_of_our_own();
   every_sample_type_gives_the_same_picture();
+  nearest_gradients_look_the_same_from_both_sides();
   without_a_gradient_the_ambient_light_is_left();
   thin_volumes_stay_finite();
   any_schedule_gives_the_same_bits();

@@ -6,6 +6,7 @@ import unittest
 import numpy as np
 from occlusion_scene import (
     Scene,
+    ball,
     cube,
     float_image,
     marschner_lobb,
@@ -55,6 +56,11 @@ def peak():
     return cube(0.9 * z + 0.08 * x + 0.02 * y, 2.0), prop
 
 
+def soft_ball():
+    """Gradients in every direction, fog within."""
+    return cube(ball(N, soft=0.4), 2.0), volume_property(1.0, 0.4, 0.1)
+
+
 def tubes(scene):
     """Opaque things in, before and behind the volume, tilted and lit."""
     scene.renderer.AddActor(sphere(0.3, (0.5, 0.3, 0.2), color=(0.9, 0.7, 0.4), lit=True))
@@ -78,12 +84,15 @@ def visibility_of(mapper):
     return vtk_to_numpy(scalars).reshape(shape).copy()
 
 
-def render(engine, content, setup=None, geometry=None, parallel=False, look=None, size=SIZE):
-    """The picture and the visibility of the surfaces, floats, of one engine."""
+def render(engine, content, setup=None, geometry=None, lights=(), parallel=False, look=None, size=SIZE):
+    """The picture and the visibility of the surfaces, floats, of one engine; without lights, a headlight."""
     data, prop = content() if content else (None, None)
     scene = SCENE
     scene.window.SetSize(size, size)
     scene.renderer.RemoveAllViewProps()
+    scene.renderer.RemoveAllLights()
+    for item in lights:
+        scene.renderer.AddLight(item)
     mapper = vtkChiCombinedOcclusionVolumeMapper()
     mapper.SetEngine(engine)
     if setup:
@@ -147,7 +156,7 @@ class Agreement(unittest.TestCase):
             plain = render(OPENGL, content, unshaded, **options)[0]
             self.assertGreater(255.0 * np.abs(plain - gpu).max(axis=2).mean(), 5.0)
         if without:  # an engine that left it out would be caught by the bounds
-            left_out = render(OPENGL, content, **{**options, "setup": setup, **without})[:2]
+            left_out = render(OPENGL, **{"content": content, **options, "setup": setup, **without})[:2]
             caught = [
                 a.shape != b.shape or bounded[0] > 2.0 * self.MEAN or bounded[1] > 2.0 * self.PERCENTILE_99
                 for (a, _), b, where in zip(pairs, left_out, seen)

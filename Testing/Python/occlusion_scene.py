@@ -91,6 +91,17 @@ def volume_property(scale=1.0, opacity=0.3, unit=1.0, colors=None):
     return prop
 
 
+def transfer_plane(width=256, height=128, opacity=0.3, peaks=0.0):
+    """A table of two quantities: red along the first, green along the second, opacity along both, in so many peaks."""
+    y, x = np.meshgrid((np.arange(height) + 0.5) / height, (np.arange(width) + 0.5) / width, indexing="ij")
+    along = np.clip(8.0 * np.sin(np.pi * peaks * x) ** 2 - 7.0, 0.0, 1.0) if peaks else x
+    rgba = np.stack([x, y, 1.0 - x, opacity * along * np.clip(3.0 * y, 0.0, 1.0)], axis=-1).astype(np.float32)
+    result = vtkImageData()
+    result.SetDimensions(width, height, 1)
+    result.GetPointData().SetScalars(numpy_to_vtk(rgba.reshape(-1, 4), deep=True))
+    return result
+
+
 def actor(source, color=(1.0, 1.0, 1.0), lit=False):
     """Opaque actor; of constant colour unless lit."""
     mapper = vtkPolyDataMapper()

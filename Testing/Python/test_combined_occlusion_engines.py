@@ -28,7 +28,7 @@ from occlusion_scene import (
     square,
     volume_property,
 )
-from vtkmodules.vtkCommonDataModel import vtkPiecewiseFunction, vtkPlane
+from vtkmodules.vtkCommonDataModel import vtkPlane
 
 from chiaroscuro.vtkChiRendering import vtkChiCombinedOcclusionVolumeMapper
 
@@ -381,31 +381,18 @@ class WhichEngine(unittest.TestCase):
             mapper.SetCroppingRegionPlanes(-0.5, 0.5, -0.5, 0.5, -0.5, 0.5)
             mapper.SetCroppingRegionFlagsToFence()
 
-        shaded = volume_property(255.0, 0.3, 0.1)
-
-        def gradients(mapper):
-            steep = vtkPiecewiseFunction()
-            steep.AddPoint(0.0, 0.0)
-            steep.AddPoint(20.0, 1.0)
-            shaded.ShadeOff()
-            shaded.SetGradientOpacity(steep)
-
         for word, setup in (
             ("published", published),
             ("cropping", cropped),
-            ("shading", lambda mapper: shaded.ShadeOn()),
-            ("opacity by gradients", gradients),
         ):
             with self.subTest(word):
-                self.check_stand_in(word, setup, shaded if "gradients" in word or word == "shading" else None)
+                self.check_stand_in(word, setup)
 
-    def check_stand_in(self, word, setup, prop):
-
+    def check_stand_in(self, word, setup):
         mapper = vtkChiCombinedOcclusionVolumeMapper()
         messages = Messages(mapper)
-        data, plain = fog()
         SCENE.renderer.RemoveAllViewProps()
-        SCENE.add_volume(data, prop or plain, mapper)
+        SCENE.add_volume(*fog(), mapper)
         SCENE.look((-0.5, -0.35, -0.8), half=1.4)
         setup(mapper)
         mapper.SetEngineToOpenGL()

@@ -5,6 +5,7 @@ functions, beside the ray caster."""
 import unittest
 
 import numpy as np
+from occlusion_lights import LIGHTS, light
 from occlusion_scene import (
     Messages,
     Scene,
@@ -13,13 +14,14 @@ from occlusion_scene import (
     float_image,
     marschner_lobb,
     square,
+    transfer_plane,
     visibility_image,
     volume_property,
 )
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
 from vtkmodules.vtkCommonTransforms import vtkTransform
-from vtkmodules.vtkRenderingCore import vtkLight, vtkLightKit
+from vtkmodules.vtkRenderingCore import vtkLightKit
 from vtkmodules.vtkRenderingVolumeOpenGL2 import vtkOpenGLGPUVolumeRayCastMapper
 
 from chiaroscuro.vtkChiRendering import vtkChiCombinedOcclusionVolumeMapper
@@ -37,17 +39,6 @@ def shaded_property(ambient=0.2, diffuse=0.7, specular=0.3, power=12.0, opacity=
     prop.SetSpecular(specular)
     prop.SetSpecularPower(power)
     return prop
-
-
-def light(kind="SceneLight", position=(1.0, 2.0, 3.0), color=(1.0, 1.0, 1.0), intensity=1.0):
-    result = vtkLight()
-    getattr(result, "SetLightTypeTo" + kind)()
-    result.SetPosition(*position)
-    result.SetFocalPoint(0.0, 0.0, 0.0)
-    result.SetDiffuseColor(*color)
-    result.SetSpecularColor(*color)
-    result.SetIntensity(intensity)
-    return result
 
 
 def peer():
@@ -80,15 +71,6 @@ def differences(a, b):
     return inside.sum(), 255.0 * np.abs(a - b).max(axis=2)[inside]
 
 
-def positional(cone=180.0, exponent=1.0, attenuation=(1.0, 0.0, 0.0), **options):
-    result = light(**options)
-    result.PositionalOn()
-    result.SetConeAngle(cone)
-    result.SetExponent(exponent)
-    result.SetAttenuationValues(*attenuation)
-    return result
-
-
 def gradient_property(shade):
     prop = shaded_property()
     prop.SetShade(shade)
@@ -97,26 +79,6 @@ def gradient_property(shade):
         function.AddPoint(place, value)
     prop.SetGradientOpacity(function)
     return prop
-
-
-LIGHTS = {
-    "one headlight": lambda: [],
-    "one scene light, off the axis": lambda: [light()],
-    "one camera light": lambda: [light("CameraLight", (0.5, 0.5, 1.0))],
-    "two coloured lights": lambda: [
-        light(color=(1.0, 0.4, 0.2)),
-        light(position=(-3.0, 1.0, 2.0), color=(0.2, 0.5, 1.0), intensity=0.8),
-    ],
-    "a headlight and a scene light": lambda: [light("Headlight", (0, 0, 1), intensity=0.5), light()],
-    "a positional light": lambda: [positional()],
-    "a positional light that falls off": lambda: [positional(attenuation=(0.5, 0.2, 0.1))],
-    # the ray caster puts samples up to half a voxel off when it asks how far the light is: a cone that
-    # ends hard ends a voxel elsewhere, so that this one has faded before
-    "a spot and a directional light": lambda: [
-        positional(cone=60.0, exponent=30.0),
-        light(position=(-3.0, 1.0, 2.0), color=(0.2, 0.5, 1.0)),
-    ],
-}
 
 
 class Comparison(unittest.TestCase):
@@ -224,21 +186,11 @@ class AgainstTheRayCaster(Comparison):
         self.check(lambda: prop, data=bytes_)
 
 
-def plane(width=256, height=128, opacity=0.3):
-    """Red along the scalar, green along y, opacity along both."""
-    y, x = np.meshgrid((np.arange(height) + 0.5) / height, (np.arange(width) + 0.5) / width, indexing="ij")
-    rgba = np.stack([x, y, 1.0 - x, opacity * x * np.clip(3.0 * y, 0.0, 1.0)], axis=-1).astype(np.float32)
-    result = vtkImageData()
-    result.SetDimensions(width, height, 1)
-    result.GetPointData().SetScalars(numpy_to_vtk(rgba.reshape(-1, 4), deep=True))
-    return result
-
-
 def plane_property(shade=0, unit=STEP, **options):
     prop = shaded_property(specular=0.1)
     prop.SetShade(shade)
     prop.SetTransferFunctionModeTo2D()
-    prop.SetTransferFunction2D(plane(**options))
+    prop.SetTransferFunction2D(transfer_plane(**options))
     prop.SetScalarOpacityUnitDistance(unit)
     return prop
 

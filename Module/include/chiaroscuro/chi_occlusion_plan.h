@@ -11,6 +11,7 @@
  */
 
 #include "chi_occlusion.h"
+#include "chi_shading.h"
 
 #ifdef __cplusplus
 extern "C"
@@ -85,6 +86,49 @@ typedef struct chi_plan_channel
   float thin;        /**< thickness below which that of a light pixel is the plain mean */
   float reserved;
 } chi_plan_channel;
+
+/** A light of chi_shading.h; its colours times the material's share. */
+typedef struct chi_plan_light
+{
+  int32_t kind;       /**< CHI_LIGHT_... */
+  float direction[3]; /**< of unit length */
+  float position[3];
+  float diffuse[3], specular[3];
+  float attenuation[3];
+  float cone_cosine; /**< negative: it shines everywhere */
+  float exponent;
+} chi_plan_light;
+
+/**
+ * What the gradient in the middle of a segment does, eye coordinates. A difference is that of the
+ * interpolated scalar over one sample to either side, the border's own samples standing in for
+ * those beyond it; not finite ones are 0.
+ */
+typedef struct chi_plan_shading
+{
+  float to_eye[3][4];   /**< index position to eye coordinates */
+  float gradient[3][3]; /**< differences along the index axes to the gradient, shares of the
+                           table's range a mean voxel */
+  int32_t lit;          /**< 0: no lights, none of the members up to `light` */
+  int32_t two_sided, shiny, light_count; /**< shiny 0: no light has a highlight */
+  float ambient, ambient_light[3], power;
+  float limit; /**< of a colour; may be infinite */
+  chi_plan_light light[CHI_MAX_LIGHTS];
+  /** Opacity by the gradient, NULL: 1. Table position = magnitude gradient_scale, up to
+   * gradient_end, one less than its entries; of the caller. Extinction is multiplied by it. */
+  const float* gradient_opacity;
+  float gradient_scale, gradient_end;
+  /* Extinction and colour over two quantities, NULL: none. Row of the tables = ((gradient's
+   * magnitude, or what plane_second says, in the segment's middle) - plane_base) plane_scale, 0 ...
+   * plane_end; each row is as `table` and `rgba` of the plan, whose own are but a bound. Extinction
+   * of a segment, and colour of its middle, are mixed from the two rows about the place. */
+  const chi_plan_entry* plane_table; /**< [plane_end + 1][plane_row] */
+  const float (*plane_rgba)[4];      /**< likewise */
+  const float* plane_second;         /**< as many as the samples, in their order, of the caller:
+                                        what is not finite is transparent; NULL: the gradient */
+  float plane_quantum, plane_base, plane_scale, plane_end;
+  int32_t plane_row; /**< as many as the plan's entries */
+} chi_plan_shading;
 
 typedef struct chi_occlusion_plan
 {
@@ -188,6 +232,8 @@ typedef struct chi_occlusion_plan
   const float* guide; /**< [full_height][full_width] depth of the surface in slabs, infinite where
                          there is none; null without any surface */
   double guide_far;   /**< what infinite stands for in d */
+
+  const chi_plan_shading* shading; /**< NULL: gradients do nothing */
 } chi_occlusion_plan;
 
 /** Samples of one slab: rays, and the light planes that they read. */

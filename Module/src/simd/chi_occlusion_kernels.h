@@ -5,7 +5,7 @@
 
 /* The inner loops of the occlusion renderer, once per instruction set; chosen at load. */
 
-#include <chiaroscuro/chi_shading.h>
+#include <chiaroscuro/chi_occlusion_plan.h>
 
 #include <stddef.h>
 #include <stdint.h>
@@ -67,39 +67,6 @@ typedef struct chi_cut
   uint32_t regions;     /* that stay, bit x + 3 y + 9 z; 0x7ffffff: all */
   float plane[6][4];    /* index space: low x, high x, low y, ... */
 } chi_cut;
-/* chi_shading_light as the kernels read it: colours times the material's share, direction of unit
- * length.
- */
-typedef struct chi_kernel_light
-{
-  int kind; /* CHI_LIGHT_... */
-  float direction[3], position[3];
-  float diffuse[3], specular[3];
-  float attenuation[3];
-  float cone_cosine; /* negative: it shines everywhere */
-  float exponent;
-} chi_kernel_light;
-
-/* What shading and gradient opacity need. */
-typedef struct chi_shade_frame
-{
-  float to_eye[3][4]; /* index position to eye coordinates */
-  float normal[3][3]; /* differences over two samples along the index axes to the gradient in eye
-                         coordinates, shares of the table's range a mean voxel */
-  int lit, two_sided, shiny, light_count;
-  float ambient, ambient_light[3], power;
-  float limit;                        /* of a colour */
-  const float* gradient_opacity;      /* NULL: 1 */
-  float gradient_scale, gradient_end; /* table position = gradient * scale, up to the end */
-  /* A transfer function of two quantities, NULL: none. Row = (gradient, or second scalar, - base) *
-   * scale, 0 ... end; a row is plane_row entries long. */
-  const chi_sigma_entry* plane_sigma;
-  const float (*plane_rgba)[4];
-  const struct chi_sample_frame* second; /* where the second scalar's samples lie; NULL: gradient */
-  float plane_quantum, plane_base, plane_scale, plane_end;
-  int32_t plane_row;
-  chi_kernel_light light[CHI_MAX_LIGHTS];
-} chi_shade_frame;
 
 /* The interval from one entry to the next: extinction-weighted colour, so that its integral from 0
  * to i + f is quantum * sum + rgb * f * (sigma + f * half_slope). */
@@ -116,9 +83,10 @@ enum
   CHI_COLOR_STEPS = 8, /* by which they are found */
   CHI_COLOR_EVEN = 8   /* color_steps a segment may cross with parts that are even instead */
 };
-#define CHI_COLOR_WORTH 0.25f /* share of the bound that a colour must be worth to be integrated   \
-                               */
-#define CHI_COLOR_THIN 0.05f  /* optical thickness below which series stand for exponentials */
+#define CHI_COLOR_WORTH                                                                            \
+  0.25f                      /* share of the bound that a colour must be worth to be integrated    \
+                              */
+#define CHI_COLOR_THIN 0.05f /* optical thickness below which series stand for exponentials */
 
 struct chi_sample_frame;
 
@@ -158,7 +126,8 @@ typedef struct chi_sample_frame
   chi_cut cut;
   float slice;                           /* world distance between slices */
   float saturated;                       /* transmittance below which a ray is done */
-  const chi_shade_frame* shade;          /* NULL: no gradients are needed; else `general` is set */
+  const chi_plan_shading* shade;         /* NULL: no gradients are needed; else `general` is set */
+  const struct chi_sample_frame* second; /* samples of shade->plane_second; NULL: the gradient */
   const chi_component_frame* components; /* NULL: one */
 } chi_sample_frame;
 

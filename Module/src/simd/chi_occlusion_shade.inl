@@ -156,7 +156,7 @@ CHI_INLINE vf power_of(vf x, float power)
 }
 
 /* Light of a positional light at a point: its direction of travel, and what reaches it. */
-CHI_INLINE vf positional_light(const chi_kernel_light* l, const vf eye[3], vf travel[3])
+CHI_INLINE vf positional_light(const chi_plan_light* l, const vf eye[3], vf travel[3])
 {
   vf d2 = vf_set(0.0f);
   for (int c = 0; c < 3; ++c)
@@ -183,14 +183,14 @@ CHI_INLINE vf positional_light(const chi_kernel_light* l, const vf eye[3], vf tr
 }
 
 /* Sums of the lights' diffuse and specular parts; chi_shading.h has the formula. */
-CHI_INLINE void light_sample(const chi_shade_frame* h, const vf normal[3], const vf eye[3],
+CHI_INLINE void light_sample(const chi_plan_shading* h, const vf normal[3], const vf eye[3],
   const vf view[3], vf diffuse[3], vf specular[3])
 {
   const vf zero = vf_set(0.0f);
   const vf normal_view = dot3(normal, view);
   for (int k = 0; k < h->light_count; ++k)
   {
-    const chi_kernel_light* const l = h->light + k;
+    const chi_plan_light* const l = h->light + k;
     vf reaches = vf_set(1.0f), cosine = normal_view, light_view = vf_set(1.0f);
     if (l->kind != CHI_LIGHT_EYE)
     {
@@ -239,19 +239,19 @@ CHI_INLINE vi place_in(vf t, vi last, vf* f)
 }
 
 /* Integral of a row's extinction up to a table position, without its fixed-point sum. */
-CHI_INLINE vf load_plane(const chi_shade_frame* h, vi row, vf t, vi last, vi* sum, vf* slope)
+CHI_INLINE vf load_plane(const chi_plan_shading* h, vi row, vf t, vi last, vi* sum, vf* slope)
 {
   int32_t at[CHI_LANES];
   vf parts[4], f;
   vi_store(at, row + place_in(t, last, &f));
-  vf_load_entries((const float(*)[4])(const void*)h->plane_sigma, at, parts);
+  vf_load_entries((const float(*)[4])(const void*)h->plane_table, at, parts);
   *sum = (vi)parts[0];
   *slope = parts[1] + 2.0f * f * parts[2];
   return f * (parts[1] + f * parts[2]);
 }
 
 /* Mean extinction of a segment on one row: as classify_piece has it on the only one. */
-CHI_INLINE vf row_extinction(const chi_shade_frame* h, vi row, vf near, vf change, vi last)
+CHI_INLINE vf row_extinction(const chi_plan_shading* h, vi row, vf near, vf change, vi last)
 {
   const vi steep = (change > 1.0f) | (change < -1.0f);
   vi sum0, sum1;
@@ -271,7 +271,7 @@ CHI_INLINE vf row_extinction(const chi_shade_frame* h, vi row, vf near, vf chang
  * y in their middle. Lanes outside the mask stay in the table, whatever they hold. */
 CHI_INLINE vf classify_plane(const chi_sample_frame* s, vf t, vf change, vf y, vi mask, vf rgb[3])
 {
-  const chi_shade_frame* const h = s->shade;
+  const chi_plan_shading* const h = s->shade;
   const vf zero = vf_set(0.0f), end = vf_set(s->table_end);
   const vi last = vi_set((int32_t)s->table_end), last_row = vi_set((int32_t)h->plane_end);
   const vf far = vf_select(mask, t, zero);
@@ -308,7 +308,7 @@ CHI_INLINE void shade_piece(chi_sample_row* row, sample_piece* piece, int x_begi
   const int fetch, const int nearest)
 {
   const chi_sample_frame* const s = row->frame;
-  const chi_shade_frame* const h = s->shade;
+  const chi_plan_shading* const h = s->shade;
   const vf zero = vf_set(0.0f);
   for (int i = 0; i < count; i += CHI_LANES)
   {
@@ -316,7 +316,7 @@ CHI_INLINE void shade_piece(chi_sample_row* row, sample_piece* piece, int x_begi
     const vf depth = vf_load(piece->depth + i);
     vi want = depth > 0.0f;
     const vi seen = want & (vf_load(row->transmittance + x) > s->saturated);
-    if (!h->gradient_opacity && !h->plane_sigma)
+    if (!h->gradient_opacity && !h->plane_table)
     {
       want = seen; /* the light needs no colours */
     }
@@ -325,18 +325,16 @@ CHI_INLINE void shade_piece(chi_sample_row* row, sample_piece* piece, int x_begi
       continue;
     }
     const vf xs = vf_iota() + (float)x;
-    /* labels are those of the segment's end */
-    const float half = nearest ? 0.0f : 0.5f;
-    vf back = vf_set(-half);
-    if (row->cut)
+    vf back = vf_set(-0.5f);
+    if (row->cut) /* nearest samples lie in the middle already */
     {
-      back = vf_load(piece->back + i) - half * vf_load(piece->fraction + i);
+      back = vf_load(piece->back + i) - (nearest ? 0.0f : 0.5f) * vf_load(piece->fraction + i);
     }
     else if (row->enter)
     {
       const vf far = vf_set(row->near_slice + 1.0f);
       const vf stop = vf_min(far, vf_load(row->leave + x));
-      back = stop - far - half * vf_load(piece->fraction + i);
+      back = stop - far - 0.5f * vf_load(piece->fraction + i);
     }
     vf p[3], difference[3], gradient[3], eye[3];
     for (int a = 0; a < 3; ++a)
@@ -357,7 +355,7 @@ CHI_INLINE void shade_piece(chi_sample_row* row, sample_piece* piece, int x_begi
     {
       difference[a] = zero;
     }
-    if (h->second && !h->lit)
+    if (s->second && !h->lit)
     {
       /* nobody asks for the gradient */
     }
@@ -376,17 +374,17 @@ CHI_INLINE void shade_piece(chi_sample_row* row, sample_piece* piece, int x_begi
     }
     for (int c = 0; c < 3; ++c)
     {
-      const float* const m = h->normal[c];
+      const float* const m = h->gradient[c];
       gradient[c] = m[0] * difference[0] + m[1] * difference[1] + m[2] * difference[2];
     }
     const vf magnitude = vf_sqrt(dot3(gradient, gradient));
-    if (h->plane_sigma)
+    if (h->plane_table)
     {
       vf rgb[3];
       vf y = magnitude;
-      if (h->second)
+      if (s->second)
       {
-        y = fetch_scalar(h->second, p, CHI_FETCH_F32, nearest, want);
+        y = fetch_scalar(s->second, p, CHI_FETCH_F32, nearest, want);
         want &= y - y == 0.0f;
       }
       const vf t = vf_load(piece->t + i), t0 = vf_load(piece->before + i);
