@@ -14,6 +14,10 @@
  * knows of it, over the same thickness; errors named "true" are against the tubes' insides. The
  * picture's pixels are every n-th of those that show anything. Times are of whole frames in which
  * nothing changes that matters.
+ *
+ * For bench_occlusion_error_vtk, which judges the engines as VTK's users have them, it leaves in
+ * FOLDER the volume of each scene, occlusion_error_K.raw, and occlusion_error_K.csv: the exact
+ * picture of those pixels, and the exact visibility of the geometry there.
  */
 
 #include "occlusion_reference_picture.h"
@@ -216,6 +220,36 @@ static int judge(judged_scene* s, int which, const char* folder, chi_bench_pool*
   return 1;
 }
 
+/* The volume; and x, y, picture and, where there is a surface, its visibility, at the default bias.
+ */
+static int write_exact(const judged_scene* s, const char* folder, int which)
+{
+  char file[2][1024];
+  static const char* const ends[2] = { "raw", "csv" };
+  for (int k = 0; k < 2; ++k)
+  {
+    snprintf(file[k], sizeof file[k], "%s/occlusion_error_%d.%s", folder, which, ends[k]);
+  }
+  FILE* const raw = fopen(file[0], "wb");
+  const size_t count = s->volume.n[0] * s->volume.n[1] * s->volume.n[2];
+  int ok = raw && fwrite(s->volume.extinction, sizeof(float), count, raw) == count;
+  ok = raw && fclose(raw) == 0 && ok;
+  FILE* const csv = fopen(file[1], "w");
+  for (size_t i = 0; csv && i < s->shown_count; ++i)
+  {
+    const int* const at = s->shown[i];
+    const double depth = s->depth ? (double)s->depth[at[0] + REFERENCE_SIZE * at[1]] : INFINITY;
+    double seen = NAN;
+    if (depth < INFINITY)
+    {
+      const double place[3] = { at[0], at[1], s->view.eye[2] + depth - bias[1] };
+      seen = reference_visibility(&s->volume, &s->surface, &s->view, &rays, place);
+    }
+    ok = fprintf(csv, "%d,%d,%.9g,%.9g\n", at[0], at[1], s->exact.picture[i], seen) > 0 && ok;
+  }
+  return csv && fclose(csv) == 0 && ok;
+}
+
 /* Shortest of several frames without probes. */
 static double time_frames(const chi_exec* exec, chi_occlusion* engine, reference_frame* f)
 {
@@ -357,6 +391,7 @@ int main(int argc, char** argv)
       continue;
     }
     int ok = judge(&s, k, argc > 1 ? argv[1] : NULL, &two);
+    ok = ok && (argc < 2 || write_exact(&s, argv[1], k));
     const double t1 = chi_bench_now();
     if (ok && s.tubes)
     {
@@ -365,7 +400,7 @@ int main(int argc, char** argv)
     ok = ok && measure_scene(&s, &two);
     fprintf(stderr, "# %s: %zu points, %zu pixels, exact %.1f s, engine %.1f s%s\n", s.name,
       s.points.count, s.shown_count, 1e-9 * (t1 - t0), 1e-9 * (chi_bench_now() - t1),
-      ok ? "" : ": no memory, or a file cannot be read");
+      ok ? "" : ": no memory, or a file cannot be read or written");
     failed += !ok;
     judged_free(&s);
   }

@@ -113,7 +113,9 @@ def bars_panel(axes, rows):
 
 
 # bench occlusion_error: colour and marker of a method, whose last number is slices a voxel
-LIGHT = {"ordinates-full": "tab:blue", "ordinates-half": "tab:orange", "published-full": "tab:gray"}
+LIGHT = {"ordinates-full": "tab:blue", "ordinates-half": "tab:orange", "published-full": "tab:gray",
+         "cpu-full": "tab:blue", "opengl-32-bits-full": "tab:cyan", "opengl-16-bits-full": "tab:purple",
+         "cpu-half": "tab:orange", "opengl-32-bits-half": "tab:olive", "opengl-16-bits-half": "tab:red"}
 SLICES = {"1": "o-", "2": "s--", "4": "^:"}
 
 
@@ -141,14 +143,21 @@ def by_kind(rows, picture):
     kinds = list(dict.fromkeys(r["error_kind"] for r in rows))
     kinds.sort(key=lambda k: ("true" in k, "picture" in k))
     cases = list(dict.fromkeys(r["case"] for r in rows))
-    for suffix, wanted in (("", [k for k in kinds if "true" not in k]), ("_true", [k for k in kinds if "true" in k])):
+    ends = {"_true": "_true", "_engines": "_vtk"}  # sheets of their own, by the kind's end
+    sheets = {"": [k for k in kinds if not k.endswith((*ends.values(), "_to_cpu"))]}
+    sheets.update((suffix, [k for k in kinds if k.endswith(end)]) for suffix, end in ends.items())
+    for suffix, wanted in sheets.items():
         shown = [c for c in cases if any(r["case"] == c and r["error_kind"] in wanted for r in rows)]
         if not shown:
             continue
         sheet, axes = plt.subplots(len(wanted), len(shown), figsize=(4.6 * len(shown), 3.4 * len(wanted)), squeeze=False)
         for line, kind in zip(axes, wanted):
             for axis, case in zip(line, shown):
-                curves_panel(axis, [r for r in rows if r["case"] == case and r["error_kind"] == kind])
+                mine = [r for r in rows if r["case"] == case and r["error_kind"] == kind]
+                axis.set_visible(bool(mine))
+                if not mine:
+                    continue
+                curves_panel(axis, mine)
                 axis.set_title(case, fontsize=9)
                 if axis is not axes[0, 0]:
                     axis.get_legend().remove()

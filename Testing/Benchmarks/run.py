@@ -23,6 +23,7 @@ def main():
     given = {
         "bench_occlusion": [out / "brain128.raw"],
         "bench_occlusion_error": [out],
+        "bench_occlusion_error_vtk": [out],  # reads what the one before has left there
         "bench_occlusion_table1": [data],
         "bench_tube_vtk": [data],
     }
