@@ -24,8 +24,8 @@ namespace
 constexpr int CHECK = 8; // slabs from one look at what is still alive to the next
 
 // CHI_FEATURE_... that the shaders do.
-constexpr std::uint64_t KNOWN =
-  CHI_FEATURE_REDUCTION | CHI_FEATURE_COLORED | CHI_FEATURE_SHADING | CHI_FEATURE_GRADIENT_OPACITY;
+constexpr std::uint64_t KNOWN = CHI_FEATURE_REDUCTION | CHI_FEATURE_COLORED | CHI_FEATURE_SHADING |
+  CHI_FEATURE_GRADIENT_OPACITY | CHI_FEATURE_TRANSFER_PLANE;
 }
 
 //------------------------------------------------------------------------------

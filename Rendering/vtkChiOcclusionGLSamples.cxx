@@ -7,6 +7,7 @@
 #include "vtkChiOcclusionFetchFunctions.h"
 #include "vtkChiOcclusionGLTools.h"
 #include "vtkChiOcclusionPlanesFunctions.h"
+#include "vtkChiOcclusionRowsFunctions.h"
 #include "vtkChiOcclusionSampleFS.h"
 #include "vtkChiOcclusionShadeFunctions.h"
 
@@ -27,7 +28,8 @@ const char* sampleShader()
     std::string source = vtkChiOcclusionSampleFS;
     vtkShaderProgram::Substitute(source, "//CHI::Functions::Dec",
       std::string(vtkChiOcclusionFetchFunctions) + vtkChiOcclusionClassifyFunctions +
-        vtkChiOcclusionPlanesFunctions + vtkChiOcclusionShadeFunctions);
+        vtkChiOcclusionPlanesFunctions + vtkChiOcclusionShadeFunctions +
+        vtkChiOcclusionRowsFunctions);
     return source;
   }();
   return whole.c_str();

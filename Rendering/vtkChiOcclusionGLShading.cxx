@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
 // SPDX-License-Identifier: BSD-3-Clause
-// What gradients do to the OpenGL engine's samples.
+// What gradients and a second quantity do to the OpenGL engine's samples.
 #include "vtkChiOcclusionGL.h"
 
 #include "vtkChiOcclusionGLTools.h"
@@ -17,7 +17,10 @@ std::string vtkChiOcclusionGL::DefineShading(const chi_occlusion_plan& plan)
 {
   const chi_plan_shading none = {};
   const chi_plan_shading& s = plan.shading ? *plan.shading : none;
-  return define("HAS_GRADIENT", s.lit || s.gradient_opacity) +
+  const bool overGradient = s.plane_table && !s.plane_second;
+  return define("HAS_SHADING", plan.shading ? 1 : 0) +
+    define("HAS_GRADIENT", s.lit || s.gradient_opacity || overGradient) +
+    define("HAS_ROWS", s.plane_table ? 1 : 0) + define("HAS_SECOND", s.plane_second ? 1 : 0) +
     define("HAS_GRADIENT_OPACITY", s.gradient_opacity ? 1 : 0) + define("IS_SHADED", s.lit) +
     define("IS_TWO_SIDED", s.two_sided) + define("IS_SHINY", s.shiny) +
     define("LAMPS", s.light_count) + define("LAMP_EYE", CHI_LIGHT_EYE) +
@@ -38,6 +41,16 @@ void vtkChiOcclusionGL::SetShading(vtkShaderProgram* program, const chi_occlusio
     this->Pass.Read("gradientOpacityTexture", this->Inputs.GetGradientOpacity());
     const float scale[2] = { s.gradient_scale, s.gradient_end };
     program->SetUniform2f("gradientScale", scale);
+  }
+  if (s.plane_table)
+  {
+    const float scale[3] = { s.plane_base, s.plane_scale, s.plane_end };
+    program->SetUniform3f("rowScale", scale);
+    program->SetUniformf("rowQuantum", s.plane_quantum);
+  }
+  if (s.plane_second)
+  {
+    this->Pass.Read("secondTexture", this->Inputs.GetSecond());
   }
   if (!s.lit)
   {

@@ -9,6 +9,7 @@
 
 #include "vtkOpenGLRenderWindow.h"
 
+#include <algorithm>
 #include <cstddef>
 
 namespace
@@ -83,7 +84,7 @@ bool vtkChiOcclusionTextures::Update(vtkOpenGLRenderWindow* window, const chi_oc
   if (plan.scalars)
   {
     good = this->UpdateVolume(window, plan) && this->UpdateTables(window, plan) &&
-      this->UpdateShading(window, plan);
+      this->UpdateGradientOpacity(window, plan) && this->UpdateSecond(window, plan);
   }
   if (plan.surface)
   {
@@ -122,40 +123,58 @@ bool vtkChiOcclusionTextures::UpdateTables(
     return true;
   }
   this->TableVersion = plan.table_version;
+  // of two quantities: row after row behind the table of one
+  const chi_plan_shading* shading = plan.shading;
+  const std::size_t rows =
+    shading && shading->plane_table ? static_cast<std::size_t>(shading->plane_end) + 1 : 0;
   const std::size_t width = TABLE_WIDTH;
-  const std::size_t height = (plan.entries - 1) / width + 1;
+  const std::size_t height = (plan.entries * (rows + 1) - 1) / width + 1;
+  const std::size_t colorHeight = (plan.entries - 1) / width + 1;
+  int largest = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+  if (height > static_cast<std::size_t>(largest))
+  {
+    return false;
+  }
   std::vector<std::int32_t> sums(width * height);
   std::vector<float> sigma(2 * width * height);
   std::vector<float> colors(4 * width * height);
-  std::vector<std::int32_t> colorSums(4 * width * height);
-  std::vector<float> colorMeans(4 * width * height);
+  std::vector<std::int32_t> colorSums(4 * width * colorHeight);
+  std::vector<float> colorMeans(4 * width * colorHeight);
+  for (std::size_t row = 0; row <= rows; ++row)
+  {
+    const std::size_t first = row * plan.entries;
+    const chi_plan_entry* table =
+      row > 0 ? shading->plane_table + (first - plan.entries) : plan.table;
+    const float(*rgba)[4] = row > 0 ? shading->plane_rgba + (first - plan.entries) : plan.rgba;
+    for (std::size_t i = 0; i < plan.entries; ++i)
+    {
+      sums[first + i] = table[i].sum;
+      sigma[2 * (first + i)] = table[i].sigma;
+      sigma[2 * (first + i) + 1] = table[i].half_slope;
+      std::copy(rgba[i], rgba[i] + 4, &colors[4 * (first + i)]);
+    }
+  }
   for (std::size_t i = 0; i < plan.entries; ++i)
   {
-    sums[i] = plan.table[i].sum;
-    sigma[2 * i] = plan.table[i].sigma;
-    sigma[2 * i + 1] = plan.table[i].half_slope;
-    for (std::size_t c = 0; c < 4; ++c)
-    {
-      colors[4 * i + c] = plan.rgba[i][c];
-      colorSums[4 * i + c] = plan.colors[i].sum[c];
-      colorMeans[4 * i + c] = plan.colors[i].rgb[c];
-    }
+    std::copy(plan.colors[i].sum, plan.colors[i].sum + 4, &colorSums[4 * i]);
+    std::copy(plan.colors[i].rgb, plan.colors[i].rgb + 4, &colorMeans[4 * i]);
   }
   return upload(this->Sums, window, { GL_R32I, GL_RED_INTEGER, VTK_INT, 1 }, width, height,
            sums.data()) &&
     upload(this->Sigma, window, { GL_RG32F, GL_RG, VTK_FLOAT, 2 }, width, height, sigma.data()) &&
     upload(
       this->Colors, window, { GL_RGBA32F, GL_RGBA, VTK_FLOAT, 4 }, width, height, colors.data()) &&
-    upload(this->ColorSums, window, { GL_RGBA32I, GL_RGBA_INTEGER, VTK_INT, 4 }, width, height,
+    upload(this->ColorSums, window, { GL_RGBA32I, GL_RGBA_INTEGER, VTK_INT, 4 }, width, colorHeight,
       colorSums.data()) &&
-    upload(this->ColorMeans, window, { GL_RGBA32F, GL_RGBA, VTK_FLOAT, 4 }, width, height,
+    upload(this->ColorMeans, window, { GL_RGBA32F, GL_RGBA, VTK_FLOAT, 4 }, width, colorHeight,
       colorMeans.data()) &&
     upload(this->Bricks, window, { GL_R8UI, GL_RED_INTEGER, VTK_UNSIGNED_CHAR, 1 }, plan.bricks,
       plan.occupied);
 }
 
 //------------------------------------------------------------------------------
-bool vtkChiOcclusionTextures::UpdateShading(
+bool vtkChiOcclusionTextures::UpdateGradientOpacity(
   vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan)
 {
   const float* opacity = plan.shading ? plan.shading->gradient_opacity : nullptr;
@@ -165,11 +184,11 @@ bool vtkChiOcclusionTextures::UpdateShading(
     return true;
   }
   this->GradientOpacity->SetContext(window);
-  if (this->GradientOpacity->GetHandle() != 0 && this->ShadingVersion == plan.table_version)
+  if (this->GradientOpacity->GetHandle() != 0 && this->GradientVersion == plan.table_version)
   {
     return true;
   }
-  this->ShadingVersion = plan.table_version;
+  this->GradientVersion = plan.table_version;
   const std::size_t width = TABLE_WIDTH;
   const std::size_t entries = static_cast<std::size_t>(plan.shading->gradient_end) + 1;
   const std::size_t height = (entries - 1) / width + 1;
@@ -177,6 +196,25 @@ bool vtkChiOcclusionTextures::UpdateShading(
   values.resize(width * height);
   return upload(
     this->GradientOpacity, window, { GL_R32F, GL_RED, VTK_FLOAT, 1 }, width, height, values.data());
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiOcclusionTextures::UpdateSecond(
+  vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan)
+{
+  const float* samples = plan.shading ? plan.shading->plane_second : nullptr;
+  if (!samples)
+  {
+    this->Second->ReleaseGraphicsResources(window);
+    return true;
+  }
+  this->Second->SetContext(window);
+  if (this->Second->GetHandle() != 0 && this->SecondVersion == plan.table_version)
+  {
+    return true;
+  }
+  this->SecondVersion = plan.table_version;
+  return upload(this->Second, window, formatOf(CHI_F32), plan.dimensions, samples);
 }
 
 //------------------------------------------------------------------------------
@@ -216,8 +254,8 @@ void vtkChiOcclusionTextures::ReleaseGraphicsResources(vtkWindow* window)
 {
   for (vtkTextureObject* texture : { this->Volume.Get(), this->Bricks.Get(), this->Sums.Get(),
          this->Sigma.Get(), this->Colors.Get(), this->ColorSums.Get(), this->ColorMeans.Get(),
-         this->GradientOpacity.Get(), this->Surface.Get(), this->SurfaceMore.Get(),
-         this->Guide.Get() })
+         this->GradientOpacity.Get(), this->Second.Get(), this->Surface.Get(),
+         this->SurfaceMore.Get(), this->Guide.Get() })
   {
     texture->ReleaseGraphicsResources(window);
   }

@@ -22,7 +22,7 @@ class vtkChiOcclusionTextures
 public:
   enum
   {
-    TABLE_WIDTH = 1024 // entries a row of a table's texture
+    TABLE_WIDTH = 4096 // entries a row of a table's texture
   };
 
   // False where OpenGL refuses one of them.
@@ -39,6 +39,7 @@ public:
   vtkTextureObject* GetColors() { return this->Colors; }
   vtkTextureObject* GetColorSums() { return this->ColorSums; }
   vtkTextureObject* GetColorMeans() { return this->ColorMeans; }
+  vtkTextureObject* GetSecond() { return this->Second; }
   vtkTextureObject* GetGradientOpacity() { return this->GradientOpacity; }
   vtkTextureObject* GetSurface() { return this->Surface; }
   vtkTextureObject* GetSurfaceMore() { return this->SurfaceMore; }
@@ -47,7 +48,8 @@ public:
 private:
   bool UpdateVolume(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
   bool UpdateTables(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
-  bool UpdateShading(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
+  bool UpdateGradientOpacity(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
+  bool UpdateSecond(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
   bool UpdateSurfaces(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
   bool UpdateGuide(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
 
@@ -59,12 +61,14 @@ private:
   vtkNew<vtkTextureObject> ColorSums;
   vtkNew<vtkTextureObject> ColorMeans;
   vtkNew<vtkTextureObject> GradientOpacity;
+  vtkNew<vtkTextureObject> Second;
   vtkNew<vtkTextureObject> Surface;
   vtkNew<vtkTextureObject> SurfaceMore;
   vtkNew<vtkTextureObject> Guide;
   std::uint64_t VolumeVersion = 0;
   std::uint64_t TableVersion = 0;
-  std::uint64_t ShadingVersion = 0;
+  std::uint64_t GradientVersion = 0;
+  std::uint64_t SecondVersion = 0;
   std::uint64_t FrameVersion = 0;
 };
 

@@ -21,6 +21,13 @@ vec4 samplesAt(int x, ivec2 y, ivec2 z)
     scalarAt(ivec3(x, y.x, z.y)), scalarAt(ivec3(x, y.y, z.y)));
 }
 
+// Bilinear, of what lies at the corners (0, 0), (1, 0), (0, 1), (1, 1).
+float blend(vec4 corner, vec2 f)
+{
+  vec2 line = corner.xz + f.x * (corner.yw - corner.xz);
+  return line.x + f.y * (line.y - line.x);
+}
+
 float fetchScalar(vec3 p)
 {
 #if NEAREST
@@ -32,9 +39,7 @@ float fetchScalar(vec3 p)
   vec3 f = p - vec3(i);
   vec4 a = samplesAt(i.x, ivec2(i.y, j.y), ivec2(i.z, j.z));
   vec4 b = samplesAt(j.x, ivec2(i.y, j.y), ivec2(i.z, j.z));
-  vec4 line = a + f.x * (b - a);
-  vec2 plane = line.xz + f.y * (line.yw - line.xz);
-  return plane.x + f.z * (plane.y - plane.x);
+  return blend(a + f.x * (b - a), f.yz);
 #endif
 }
 

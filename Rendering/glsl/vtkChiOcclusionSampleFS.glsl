@@ -120,14 +120,19 @@ void main()
         continue;
       }
       float depth = meanExtinction(t0, t) * (fraction * slice);
-#if HAS_GRADIENT
+#if HAS_SHADING
       vec3 middle = p + (stop - 0.5 * fraction) * q;
       float whole = depth * ray; // the colour's, which knows neither gradients nor surfaces
       if (!(depth > 0.0))
       {
         continue;
       }
-      vec3 gradient = gradientAt(clamp(middle, vec3(0.0), lastIndex));
+      vec3 inside = clamp(middle, vec3(0.0), lastIndex);
+      vec3 gradient = gradientAt(inside);
+#endif
+#if HAS_ROWS
+      vec3 rgb;
+      depth = extinctionOfTwo(t0, t, secondQuantity(inside, gradient), rgb) * (fraction * slice);
 #endif
 #if HAS_GRADIENT_OPACITY
       depth *= gradientOpacity(length(gradient));
@@ -142,10 +147,11 @@ void main()
       }
       float tau = depth * ray;
       float weight = through * (1.0 - exp(-tau));
+#if HAS_ROWS == 0
       float change = t0 < 0.0 ? 0.0 : t - t0;
       vec3 rgb;
 #if COLOR_PARTS > 0
-#if HAS_GRADIENT
+#if HAS_SHADING
       float seen = through * (1.0 - exp(-whole));
 #else
       float whole = tau;
@@ -161,6 +167,7 @@ void main()
       {
         rgb = texelFetch(colorTexture, entryPlace(int(t - 0.5 * change + 0.5)), 0).rgb;
       }
+#endif
       through -= weight;
       vec3 visibility = vec3(1.0);
 #if HAS_LIGHT

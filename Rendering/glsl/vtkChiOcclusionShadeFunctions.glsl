@@ -23,13 +23,6 @@ vec3 differencesAt(vec3 p)
   return difference;
 }
 #else
-// Bilinear, of what lies at the corners (0, 0), (1, 0), (0, 1), (1, 1).
-float blend(vec4 corner, vec2 f)
-{
-  vec2 line = corner.xz + f.x * (corner.yw - corner.xz);
-  return line.x + f.y * (line.y - line.x);
-}
-
 // Differences of the interpolated scalar over one sample to either side; at the border, the
 // border's own samples.
 vec3 differencesAt(vec3 p)
@@ -70,6 +63,11 @@ vec3 gradientAt(vec3 p)
   }
   return vec3(
     dot(toGradient[0], difference), dot(toGradient[1], difference), dot(toGradient[2], difference));
+}
+#else
+vec3 gradientAt(vec3 p)
+{
+  return vec3(0.0); // nobody asks for it
 }
 #endif
 

@@ -1,0 +1,184 @@
+# SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""vtkChiCombinedOcclusionVolumeMapper: the OpenGL engine reads two-dimensional transfer functions as the CPU engine."""
+import unittest
+
+import numpy as np
+from engine_agreement import CPU, N, OPENGL, Agreement, fog, render, soft_ball, tubes
+from occlusion_lights import LIGHTS
+from occlusion_scene import Messages, Scene, ball, image, transfer_plane, volume_property
+from vtkmodules.util.numpy_support import numpy_to_vtk
+
+from chiaroscuro.vtkChiRendering import vtkChiCombinedOcclusionVolumeMapper
+
+
+def plane(content, shade=False, nearest=False, **options):
+    """The same with a table over the scalar and a second quantity."""
+
+    def make():
+        data, prop = content()
+        prop.SetTransferFunctionModeTo2D()
+        prop.SetTransferFunction2D(transfer_plane(**{"opacity": 0.6, **options}))
+        prop.SetShade(shade)
+        prop.SetAmbient(0.2)
+        prop.SetDiffuse(0.7)
+        prop.SetSpecular(0.5)
+        prop.SetSpecularPower(12.0)
+        if nearest:
+            prop.SetInterpolationTypeToNearest()
+        return data, prop
+
+    return make
+
+
+def with_second(content, hole=False):
+    """The same with an array of stripes."""
+
+    def make():
+        data, prop = content()
+        z, y, x = np.meshgrid(*(np.linspace(-1.0, 1.0, N),) * 3, indexing="ij")
+        values = (50.0 + 20.0 * np.sin(5.0 * x) * y + 5.0 * z).astype(np.float32)
+        if hole:
+            values[8:12, 9:15, 3:20] = np.nan
+        second = numpy_to_vtk(values.ravel(), deep=True)
+        second.SetName("second")
+        data.GetPointData().AddArray(second)
+        return data, prop
+
+    return make
+
+
+def by_second(mapper):
+    mapper.SetTransfer2DYAxisArray("second")
+
+
+class OverTheGradient(Agreement):
+    def test_shaded_and_unshaded_with_and_without_geometry_in_both_projections(self):
+        for content in (fog, soft_ball):
+            for shade in (False, True):
+                for parallel in (False, True):
+                    for geometry in (None, tubes):
+                        with self.subTest(content=content.__name__, shade=shade, parallel=parallel, geometry=geometry):
+                            self.check(
+                                plane(content, shade),
+                                parallel=parallel,
+                                geometry=geometry,
+                                darkens=False,
+                                without={"content": content},
+                            )
+
+    def test_tables_of_every_size(self):
+        # tables are refined to about 1024 x 256; larger ones fill several rows of their texture each
+        for width, height in ((2, 2), (3, 300), (700, 5), (5000, 40)):
+            with self.subTest(width=width, height=height):
+                self.check(plane(fog, width=width, height=height), darkens=False, without={"content": fog})
+
+    def test_sharp_tables_are_integrated_along_the_scalar(self):
+        """Where one segment crosses most of the table, its middle alone says little."""
+        for content in (fog, soft_ball):
+            for factor in (0.4, 1.0, 1.7):
+                with self.subTest(content=content.__name__, factor=factor):
+                    self.check(
+                        plane(content, width=700, peaks=12.0, opacity=0.9),
+                        setup=lambda mapper: mapper.SetSampleDistance(factor * 2.0 / (N - 1)),
+                        darkens=False,
+                        without={"content": plane(content, width=700, opacity=0.9)},
+                    )
+
+    def test_scalar_types_lights_and_interpolation(self):
+        for dtype in (np.uint8, np.int16, np.float64):
+            for nearest in (False, True):
+
+                def content():
+                    values = np.round(255.0 * ball(N, radius=0.6, soft=0.9)).astype(dtype)
+                    return image(values, (0.08, 0.09, 0.07)), volume_property(255.0, 0.3, 0.1)
+
+                with self.subTest(dtype=dtype.__name__, nearest=nearest):
+                    self.check(
+                        plane(content, True, nearest),
+                        lights=LIGHTS["two coloured lights"](),
+                        darkens=False,
+                        without={"content": content},
+                    )
+
+    def test_without_skipping(self):
+        self.check(
+            plane(fog),
+            setup=lambda mapper: mapper.SkippingOff(),
+            geometry=tubes,
+            darkens=False,
+            without={"content": fog},
+        )
+
+
+class OverASecondArray(Agreement):
+    def test_shaded_and_unshaded_with_and_without_geometry_in_both_projections(self):
+        for content in (fog, soft_ball):
+            for shade in (False, True):
+                for parallel in (False, True):
+                    for geometry in (None, tubes):
+                        with self.subTest(content=content.__name__, shade=shade, parallel=parallel, geometry=geometry):
+                            self.check(
+                                plane(with_second(content), shade),
+                                setup=by_second,
+                                parallel=parallel,
+                                geometry=geometry,
+                                darkens=False,
+                                # over the gradient instead
+                                without={"setup": lambda mapper: None},
+                            )
+
+    def test_nearest_samples_and_what_is_not_finite(self):
+        for nearest in (False, True):
+            for hole in (False, True):
+                with self.subTest(nearest=nearest, hole=hole):
+                    made = plane(with_second(fog, hole), nearest=nearest, opacity=0.2)
+                    picture = self.check(made, setup=by_second, darkens=False, without={"setup": lambda mapper: None})
+                    if hole:  # and it is transparent
+                        whole = render(OPENGL, plane(with_second(fog), nearest=nearest, opacity=0.2), by_second)[0]
+                        self.assertGreater(255.0 * (whole[..., 3] - picture[..., 3]).max(), 10.0)
+
+
+class Changes(unittest.TestCase):
+    """Textures follow what is edited, and leave when they are not needed."""
+
+    def test_tables_and_arrays(self):
+        pictures = {CPU: [], OPENGL: []}
+        for engine, seen in pictures.items():
+            scene = Scene((60, 60))
+            mapper = vtkChiCombinedOcclusionVolumeMapper()
+            messages = Messages(mapper)
+            mapper.SetEngine(engine)
+            data, prop = plane(with_second(fog))()
+            scene.add_volume(data, prop, mapper)
+            scene.look((-0.5, -0.35, -0.8), half=1.2)
+            second = data.GetPointData().GetArray("second")
+
+            def edit_array():
+                values = numpy_to_vtk(np.linspace(20.0, 80.0, N**3, dtype=np.float32), deep=True)
+                second.DeepCopy(values)
+                second.SetName("second")
+                second.Modified()
+                data.Modified()
+
+            for change in (
+                lambda: None,
+                lambda: prop.SetTransferFunction2D(transfer_plane(opacity=0.2)),
+                lambda: by_second(mapper),
+                edit_array,
+                lambda: prop.SetTransferFunctionModeTo1D(),
+                lambda: prop.SetTransferFunctionModeTo2D(),
+                lambda: mapper.SetTransfer2DYAxisArray(None),
+            ):
+                change()
+                seen.append(scene.pixels())
+                self.assertEqual(mapper.GetEngineInUse(), engine)
+            self.assertEqual((messages.errors, messages.warnings), ([], []))
+        for k, (a, b) in enumerate(zip(*pictures.values())):
+            self.assertLessEqual(255.0 * np.abs(a - b).mean(), Agreement.MEAN)
+            if k:  # and each change is seen
+                self.assertGreater(255.0 * np.abs(b - pictures[OPENGL][k - 1]).mean(), 2.0 * Agreement.MEAN)
+
+
+if __name__ == "__main__":
+    unittest.main()
