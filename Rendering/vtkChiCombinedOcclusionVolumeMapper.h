@@ -404,10 +404,10 @@ public:
    * which makes the same picture within 1/255 in the mean. Auto, the default, takes the OpenGL
    * engine, unless OpenGL itself is drawn in software. Where the scene asks for what the OpenGL
    * engine does not have, the CPU engine draws; asked for explicitly, that is a warning, once for
-   * each cause. It has one component, pre-integrated colour, opaque geometry, clipping planes,
-   * all lights and their colours, shading and opacity by gradients, 2-D transfer functions, and
-   * pictures of fewer pixels (GetUsedImageReduction); not yet masks, cropping regions, translucent
-   * layers, multisampled geometry and the published method.
+   * each cause. It has one component, pre-integrated colour, opaque, multisampled and
+   * translucent geometry, clipping planes, all lights and their colours, shading and opacity by
+   * gradients, 2-D transfer functions, and pictures of fewer pixels (GetUsedImageReduction); not
+   * yet masks, cropping regions and the published method.
    */
   vtkSetClampMacro(Engine, int, ENGINE_AUTO, ENGINE_OPENGL);
   vtkGetMacro(Engine, int);

@@ -25,7 +25,8 @@ constexpr int CHECK = 8; // slabs from one look at what is still alive to the ne
 
 // CHI_FEATURE_... that the shaders do.
 constexpr std::uint64_t KNOWN = CHI_FEATURE_REDUCTION | CHI_FEATURE_COLORED | CHI_FEATURE_SHADING |
-  CHI_FEATURE_GRADIENT_OPACITY | CHI_FEATURE_TRANSFER_PLANE;
+  CHI_FEATURE_GRADIENT_OPACITY | CHI_FEATURE_TRANSFER_PLANE | CHI_FEATURE_EDGES |
+  CHI_FEATURE_LAYERS;
 }
 
 //------------------------------------------------------------------------------
@@ -76,7 +77,10 @@ std::string vtkChiOcclusionGL::WhyNot(
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest[0]);
   glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &largest[1]);
   const chi_volume_view* volume = frame.volume;
-  if (std::max(frame.camera->width, frame.camera->height) + 1 > largest[0] ||
+  // the layers of a pixel stand one above the other
+  const int layers =
+    (frame.layers ? frame.layers->count : 0) + (frame.surface && frame.surface->edge_depth ? 1 : 0);
+  if (std::max(frame.camera->width, std::max(layers, 1) * frame.camera->height) + 1 > largest[0] ||
     (volume &&
       *std::max_element(volume->dimensions, volume->dimensions + 3) >
         static_cast<std::size_t>(largest[1])))
@@ -116,8 +120,7 @@ void vtkChiOcclusionGL::Reserve(
 }
 
 //------------------------------------------------------------------------------
-void vtkChiOcclusionGL::Reserve(
-  TextureList& list, std::size_t count, const chi_occlusion_plan& plan, int components)
+void vtkChiOcclusionGL::Resize(TextureList& list, std::size_t count)
 {
   for (std::size_t i = count; i < list.size(); ++i)
   {
@@ -130,6 +133,16 @@ void vtkChiOcclusionGL::Reserve(
     {
       texture = vtkSmartPointer<vtkTextureObject>::New();
     }
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkChiOcclusionGL::Reserve(
+  TextureList& list, std::size_t count, const chi_occlusion_plan& plan, int components)
+{
+  this->Resize(list, count);
+  for (auto& texture : list)
+  {
     this->Reserve(texture, plan.light_width, plan.light_height, components, this->Half);
   }
 }
@@ -153,6 +166,16 @@ bool vtkChiOcclusionGL::Allocate(const chi_occlusion_plan& plan, bool half)
   {
     this->FullLayer->ReleaseGraphicsResources(this->Window);
     this->FullVisibility->ReleaseGraphicsResources(this->Window);
+  }
+  this->Resize(this->LayerWeights, weightsOf(plan));
+  for (auto& texture : this->LayerWeights)
+  {
+    this->Reserve(texture, plan.width, plan.height, 4, false);
+  }
+  this->Resize(this->LayerLight, static_cast<std::size_t>(plan.layers));
+  for (auto& texture : this->LayerLight)
+  {
+    this->Reserve(texture, plan.width, plan.height, colors, false);
   }
   const std::size_t textures = static_cast<std::size_t>((plan.directions - 1) / FOUR + 1);
   for (int i = 0; i < 2; ++i)
@@ -187,6 +210,13 @@ void vtkChiOcclusionGL::Clear(const chi_occlusion_plan& plan)
     plan.light_height * plan.light_scale };
   this->Pass.Clear(this->Layer, picture, zero);
   this->Pass.Clear(this->Received, picture, one);
+  for (const TextureList* list : { &this->LayerWeights, &this->LayerLight })
+  {
+    for (const auto& texture : *list)
+    {
+      this->Pass.Clear(texture, picture, zero);
+    }
+  }
   for (int i = 0; i < 2; ++i)
   {
     this->Pass.Clear(this->Tau[i], tau, zero);
@@ -227,10 +257,16 @@ bool vtkChiOcclusionGL::Render(
   if (good)
   {
     this->Clear(plan);
-    this->DrawSlabs(plan);
+    const std::int64_t drawn = this->DrawSlabs(plan);
     if (plan.surface)
     {
-      this->DrawBeyond(plan);
+      this->DrawBeyond(plan, false);
+    }
+    if (plan.layers > 0)
+    {
+      this->DrawLastLayers(plan, drawn);
+      this->DrawBeyond(plan, true);
+      this->FinishLayers(plan);
     }
     this->DrawVicinity(plan);
     if (this->Reduced)
@@ -246,18 +282,20 @@ bool vtkChiOcclusionGL::Render(
 }
 
 //------------------------------------------------------------------------------
-void vtkChiOcclusionGL::DrawSlabs(const chi_occlusion_plan& plan)
+std::int64_t vtkChiOcclusionGL::DrawSlabs(const chi_occlusion_plan& plan)
 {
   glGenQueries(1, &this->Query);
   this->Asked = false;
-  std::int64_t lastReceiver = isEmpty(plan.beyond) ? -1 : plan.slabs;
+  std::int64_t lastReceiver = isEmpty(plan.beyond) && isEmpty(plan.layers_beyond) ? -1 : plan.slabs;
   for (std::int64_t slab = 0; slab < plan.slabs; ++slab)
   {
-    lastReceiver = isEmpty(plan.receivers[slab]) ? lastReceiver : std::max(lastReceiver, slab);
+    const bool none = isEmpty(plan.receivers[slab]) && isEmpty(plan.layer_receivers[slab]);
+    lastReceiver = none ? lastReceiver : std::max(lastReceiver, slab);
   }
   const float zero[4] = { 0.0f, 0.0f, 0.0f, 0.0f };
   const bool lit = plan.fields > 0;
-  for (std::int64_t slab = 0; slab < plan.slabs; ++slab)
+  std::int64_t slab = 0;
+  for (; slab < plan.slabs; ++slab)
   {
     const int side = static_cast<int>(slab & 1);
     if (lit && !isEmpty(this->TauDrawn[side]))
@@ -268,6 +306,10 @@ void vtkChiOcclusionGL::DrawSlabs(const chi_occlusion_plan& plan)
     if (!isEmpty(plan.samples[slab]))
     {
       this->DrawSamples(plan, slab);
+    }
+    if (!isWithin(plan.layer_spots[slab], plan.samples[slab]))
+    {
+      this->DrawLayers(plan, slab);
     }
     for (int field = 0; field < plan.fields; ++field)
     {
@@ -280,17 +322,23 @@ void vtkChiOcclusionGL::DrawSlabs(const chi_occlusion_plan& plan)
     }
     if (lit && plan.surface && !isEmpty(plan.receivers[slab]))
     {
-      this->DrawReceivers(plan, slab);
+      this->DrawReceivers(plan, slab, false);
+    }
+    if (lit && !isEmpty(plan.layer_receivers[slab]))
+    {
+      this->DrawReceivers(plan, slab, true);
     }
     // what is asked in one check is read in the next one, so that nothing waits for the answer
     if (plan.saturated > 0.0 && slab % CHECK == CHECK - 1 && slab >= lastReceiver &&
       !this->AskAlive(plan, slab))
     {
+      ++slab;
       break;
     }
   }
   glDeleteQueries(1, &this->Query);
   this->Query = 0;
+  return slab;
 }
 
 //------------------------------------------------------------------------------
@@ -371,6 +419,8 @@ void vtkChiOcclusionGL::ReleaseGraphicsResources(vtkWindow* window)
   {
     texture->ReleaseGraphicsResources(window);
   }
+  this->Resize(this->LayerWeights, 0);
+  this->Resize(this->LayerLight, 0);
   for (Field& field : this->Fields)
   {
     for (TextureList* list : field.GetLists())

@@ -73,18 +73,29 @@ private:
 
   bool Allocate(const chi_occlusion_plan& plan, bool half);
   void Reserve(vtkTextureObject* texture, int width, int height, int components, bool half);
+  void Resize(TextureList& list, std::size_t count);
   void Reserve(
     TextureList& list, std::size_t count, const chi_occlusion_plan& plan, int components);
   void Clear(const chi_occlusion_plan& plan);
-  void DrawSlabs(const chi_occlusion_plan& plan);
+  std::int64_t DrawSlabs(const chi_occlusion_plan& plan); // returns the first that was left out
   void DrawSamples(const chi_occlusion_plan& plan, std::int64_t slab);
   static std::string DefineShading(const chi_occlusion_plan& plan);
   void SetShading(vtkShaderProgram* program, const chi_occlusion_plan& plan);
   void DrawLight(const chi_occlusion_plan& plan, int field, int channel, std::int64_t slab);
-  void DrawReceivers(const chi_occlusion_plan& plan, std::int64_t slab);
-  void DrawBeyond(const chi_occlusion_plan& plan);
+  void DrawReceivers(const chi_occlusion_plan& plan, std::int64_t slab, bool layers);
+  void DrawBeyond(const chi_occlusion_plan& plan, bool layers);
+  std::string DefineReceivers(const chi_occlusion_plan& plan, bool layers) const;
+  std::vector<vtkTextureObject*> ReadReceivers(bool layers, bool beyond); // returns the targets
   void DrawVicinity(const chi_occlusion_plan& plan);
   void DrawEnlarged(const chi_occlusion_plan& plan);
+  void DrawLayers(const chi_occlusion_plan& plan, std::int64_t slab);
+  void DrawLastLayers(const chi_occlusion_plan& plan, std::int64_t slab);
+  void DrawLayers(const chi_occlusion_plan& plan, std::int64_t begin, std::int64_t end,
+    const chi_rect& rect, const chi_rect& without);
+  std::string DefineLayers(const chi_occlusion_plan& plan) const;
+  void ReadLayers(vtkShaderProgram* program, const chi_occlusion_plan& plan, std::int64_t begin,
+    std::int64_t end);
+  void FinishLayers(const chi_occlusion_plan& plan);
   bool AskAlive(const chi_occlusion_plan& plan, std::int64_t slab);
   vtkTextureObject* Plane(const chi_occlusion_plan& plan, int field, std::int64_t slab);
 
@@ -100,6 +111,10 @@ private:
   vtkNew<vtkTextureObject> FullVisibility;
   vtkNew<vtkTextureObject> Tau[2];     // of this slab and the one before
   vtkNew<vtkTextureObject> Partial[2]; // visibility of the directions so far
+  // Of the layers, three slots each: the transmittance in front, and the alpha of all that is
+  // there.
+  TextureList LayerWeights;
+  TextureList LayerLight; // visibility of each slot
   chi_rect TauDrawn[2] = {};
   Field Fields[2];
   unsigned int Query = 0;

@@ -134,33 +134,60 @@ void vtkChiOcclusionGL::DrawLight(
 }
 
 //------------------------------------------------------------------------------
-void vtkChiOcclusionGL::DrawReceivers(const chi_occlusion_plan& plan, std::int64_t slab)
+// What surfaces or layers receive goes into the same shader's outputs, from one texture or another.
+std::string vtkChiOcclusionGL::DefineReceivers(const chi_occlusion_plan& plan, bool layers) const
+{
+  return define("LIGHT_SCALE", plan.light_scale) + define("LAYERS", layers ? plan.layers : 0) +
+    defineLight(plan);
+}
+
+//------------------------------------------------------------------------------
+std::vector<vtkTextureObject*> vtkChiOcclusionGL::ReadReceivers(bool layers, bool beyond)
+{
+  if (layers)
+  {
+    this->Pass.Read("layersTexture", this->Inputs.GetLayers());
+    return { this->LayerLight.begin(), this->LayerLight.end() };
+  }
+  this->Pass.Read("surfaceTexture", this->Inputs.GetSurface());
+  if (beyond)
+  {
+    this->Pass.Read("surfaceMoreTexture", this->Inputs.GetSurfaceMore());
+  }
+  return { this->Received.Get() };
+}
+
+//------------------------------------------------------------------------------
+void vtkChiOcclusionGL::DrawReceivers(
+  const chi_occlusion_plan& plan, std::int64_t slab, bool layers)
 {
   const int field = plan.surface_field;
   if (!plan.field[field].volume && !plan.field[field].geometry)
   {
     return; // nothing takes light from surfaces
   }
-  vtkShaderProgram* program = this->Pass.Use(vtkChiOcclusionReceiveFS,
-    define("BEYOND", 0) + define("LIGHT_SCALE", plan.light_scale) + defineLight(plan));
+  vtkShaderProgram* program = this->Pass.Use(
+    vtkChiOcclusionReceiveFS, define("BEYOND", 0) + this->DefineReceivers(plan, layers));
   if (program)
   {
-    this->Pass.Read("surfaceTexture", this->Inputs.GetSurface());
+    const std::vector<vtkTextureObject*> targets = this->ReadReceivers(layers, false);
     this->Pass.Read("planeTexture0", this->Plane(plan, field, slab - 1));
     this->Pass.Read("planeTexture1", this->Plane(plan, field, slab));
     setUniform(program, "planeThere", { slab > 0 ? 1.0 : 0.0, 1.0 });
     program->SetUniformf("above", static_cast<float>(slab));
     program->SetUniformf("last", slab == plan.slabs - 1 ? 1.0f : 0.0f);
     setWeights(program, plan);
-    this->Pass.Draw({ this->Received.Get() }, plan.receivers[slab]);
+    this->Pass.Draw(targets, layers ? plan.layer_receivers[slab] : plan.receivers[slab],
+      layers ? vtkChiQuadPass::ADD : vtkChiQuadPass::REPLACE, targets.size());
   }
 }
 
 //------------------------------------------------------------------------------
-void vtkChiOcclusionGL::DrawBeyond(const chi_occlusion_plan& plan)
+void vtkChiOcclusionGL::DrawBeyond(const chi_occlusion_plan& plan, bool layers)
 {
   const int field = plan.surface_field;
-  if (plan.fields == 0 || isEmpty(plan.beyond) ||
+  const chi_rect& rect = layers ? plan.layers_beyond : plan.beyond;
+  if (plan.fields == 0 || isEmpty(rect) ||
     (!plan.field[field].volume && !plan.field[field].geometry))
   {
     return;
@@ -170,16 +197,15 @@ void vtkChiOcclusionGL::DrawBeyond(const chi_occlusion_plan& plan)
     const TextureList& light = this->Fields[field].Light[channel][plan.slabs & 1];
     for (int batch = 0; batch < batchesOf(plan); ++batch)
     {
-      const int targets = targetsOf(plan, batch);
+      const int lights = targetsOf(plan, batch);
       vtkShaderProgram* program = this->Pass.Use(vtkChiOcclusionReceiveFS,
-        define("BEYOND", 1) + define("LIGHT_SCALE", plan.light_scale) + define("TARGETS", targets));
+        define("BEYOND", 1) + define("TARGETS", lights) + this->DefineReceivers(plan, layers));
       if (!program)
       {
         return;
       }
-      this->Pass.Read("surfaceTexture", this->Inputs.GetSurface());
-      this->Pass.Read("surfaceMoreTexture", this->Inputs.GetSurfaceMore());
-      for (int k = 0; k < targets; ++k)
+      const std::vector<vtkTextureObject*> targets = this->ReadReceivers(layers, true);
+      for (int k = 0; k < lights; ++k)
       {
         this->Pass.Read(lightNames[k], light[static_cast<std::size_t>(batch * FOUR + k)]);
       }
@@ -187,8 +213,9 @@ void vtkChiOcclusionGL::DrawBeyond(const chi_occlusion_plan& plan)
       setUniform(program, "lightPixels", plan.light_pixels);
       setDirections(program, plan, batch);
       setColors(program, plan, channel);
-      this->Pass.Draw({ this->Received.Get() }, plan.beyond,
-        batch == 0 && channel == 0 ? vtkChiQuadPass::REPLACE : vtkChiQuadPass::ADD);
+      const bool first = batch == 0 && channel == 0 && !layers;
+      this->Pass.Draw(
+        targets, rect, first ? vtkChiQuadPass::REPLACE : vtkChiQuadPass::ADD, targets.size());
     }
   }
 }

@@ -10,6 +10,7 @@
 #include "vtkChiOcclusionRowsFunctions.h"
 #include "vtkChiOcclusionSampleFS.h"
 #include "vtkChiOcclusionShadeFunctions.h"
+#include "vtkChiOcclusionSplitFunctions.h"
 
 #include "vtkShaderProgram.h"
 
@@ -29,7 +30,7 @@ const char* sampleShader()
     vtkShaderProgram::Substitute(source, "//CHI::Functions::Dec",
       std::string(vtkChiOcclusionFetchFunctions) + vtkChiOcclusionClassifyFunctions +
         vtkChiOcclusionPlanesFunctions + vtkChiOcclusionShadeFunctions +
-        vtkChiOcclusionRowsFunctions);
+        vtkChiOcclusionRowsFunctions + vtkChiOcclusionSplitFunctions);
     return source;
   }();
   return whole.c_str();
@@ -52,7 +53,7 @@ void vtkChiOcclusionGL::DrawSamples(const chi_occlusion_plan& plan, std::int64_t
       define("COLOR_PARTS", integrates ? plan.color_parts : 0) +
       define("COLOR_STEPS", plan.color_steps) +
       define("TABLE_WIDTH", vtkChiOcclusionTextures::TABLE_WIDTH) + defineLight(plan) +
-      this->DefineShading(plan));
+      this->DefineShading(plan) + this->DefineLayers(plan));
   if (!program)
   {
     return;
@@ -113,15 +114,19 @@ void vtkChiOcclusionGL::DrawSamples(const chi_occlusion_plan& plan, std::int64_t
     setWeights(program, plan);
   }
   this->SetShading(program, plan);
+  if (plan.layers > 0)
+  {
+    this->ReadLayers(program, plan, slab, slab + 1);
+  }
   const chi_rect& rect = plan.samples[slab];
+  std::vector<vtkTextureObject*> targets = { this->Layer.Get() };
+  targets.insert(targets.end(), this->LayerWeights.begin(), this->LayerWeights.end());
+  const std::size_t blended = targets.size();
   if (plan.fields > 0)
   {
     this->TauDrawn[slab & 1] = rect;
-    this->Pass.Draw({ this->Layer.Get(), this->Tau[slab & 1].Get() }, rect, vtkChiQuadPass::UNDER);
+    targets.push_back(this->Tau[slab & 1]);
   }
-  else
-  {
-    this->Pass.Draw({ this->Layer.Get() }, rect, vtkChiQuadPass::UNDER);
-  }
+  this->Pass.Draw(targets, rect, vtkChiQuadPass::UNDER, blended);
   this->Samples += areaOf(rect) * plan.group;
 }

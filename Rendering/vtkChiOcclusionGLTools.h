@@ -27,6 +27,18 @@ inline bool isEmpty(const chi_rect& rect)
   return rect.x0 >= rect.x1 || rect.y0 >= rect.y1;
 }
 
+inline bool isWithin(const chi_rect& inner, const chi_rect& outer)
+{
+  return isEmpty(inner) ||
+    (inner.x0 >= outer.x0 && inner.x1 <= outer.x1 && inner.y0 >= outer.y0 && inner.y1 <= outer.y1);
+}
+
+// Textures for the weights of layers.
+inline std::size_t weightsOf(const chi_occlusion_plan& plan)
+{
+  return static_cast<std::size_t>((plan.layers + 2) / 3);
+}
+
 inline std::int64_t areaOf(const chi_rect& rect)
 {
   return static_cast<std::int64_t>(rect.x1 - rect.x0) * (rect.y1 - rect.y0);

@@ -95,7 +95,7 @@ bool vtkChiOcclusionTextures::Update(vtkOpenGLRenderWindow* window, const chi_oc
     this->Surface->ReleaseGraphicsResources(window);
     this->SurfaceMore->ReleaseGraphicsResources(window);
   }
-  good = good && this->UpdateGuide(window, plan);
+  good = good && this->UpdateGuide(window, plan) && this->UpdateLayers(window, plan);
   this->FrameVersion = plan.frame_version;
   return good;
 }
@@ -250,12 +250,34 @@ bool vtkChiOcclusionTextures::UpdateGuide(
 }
 
 //------------------------------------------------------------------------------
+bool vtkChiOcclusionTextures::UpdateLayers(
+  vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan)
+{
+  if (plan.layers == 0)
+  {
+    this->Layers->ReleaseGraphicsResources(window);
+    this->LayerColors->ReleaseGraphicsResources(window);
+    return true;
+  }
+  this->Layers->SetContext(window);
+  if (this->Layers->GetHandle() != 0 && this->FrameVersion == plan.frame_version)
+  {
+    return true;
+  }
+  const Format format = { GL_RGBA32F, GL_RGBA, VTK_FLOAT, 4 };
+  const std::size_t width = static_cast<std::size_t>(plan.width);
+  const std::size_t height = static_cast<std::size_t>(plan.layers * plan.height);
+  return upload(this->Layers, window, format, width, height, plan.layer) &&
+    upload(this->LayerColors, window, format, width, height, plan.layer_rgba);
+}
+
+//------------------------------------------------------------------------------
 void vtkChiOcclusionTextures::ReleaseGraphicsResources(vtkWindow* window)
 {
   for (vtkTextureObject* texture : { this->Volume.Get(), this->Bricks.Get(), this->Sums.Get(),
          this->Sigma.Get(), this->Colors.Get(), this->ColorSums.Get(), this->ColorMeans.Get(),
          this->GradientOpacity.Get(), this->Second.Get(), this->Surface.Get(),
-         this->SurfaceMore.Get(), this->Guide.Get() })
+         this->SurfaceMore.Get(), this->Guide.Get(), this->Layers.Get(), this->LayerColors.Get() })
   {
     texture->ReleaseGraphicsResources(window);
   }

@@ -44,6 +44,9 @@ public:
   vtkTextureObject* GetSurface() { return this->Surface; }
   vtkTextureObject* GetSurfaceMore() { return this->SurfaceMore; }
   vtkTextureObject* GetGuide() { return this->Guide; }
+  // Slot k of a pixel stands k pictures above it.
+  vtkTextureObject* GetLayers() { return this->Layers; }
+  vtkTextureObject* GetLayerColors() { return this->LayerColors; }
 
 private:
   bool UpdateVolume(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
@@ -52,6 +55,7 @@ private:
   bool UpdateSecond(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
   bool UpdateSurfaces(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
   bool UpdateGuide(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
+  bool UpdateLayers(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
 
   vtkNew<vtkTextureObject> Volume;
   vtkNew<vtkTextureObject> Bricks;
@@ -65,6 +69,8 @@ private:
   vtkNew<vtkTextureObject> Surface;
   vtkNew<vtkTextureObject> SurfaceMore;
   vtkNew<vtkTextureObject> Guide;
+  vtkNew<vtkTextureObject> Layers;
+  vtkNew<vtkTextureObject> LayerColors;
   std::uint64_t VolumeVersion = 0;
   std::uint64_t TableVersion = 0;
   std::uint64_t GradientVersion = 0;

@@ -144,8 +144,8 @@ void vtkChiQuadPass::Bind(const std::vector<vtkTextureObject*>& targets, const c
 }
 
 //------------------------------------------------------------------------------
-void vtkChiQuadPass::Draw(
-  const std::vector<vtkTextureObject*>& targets, const chi_rect& rect, Blending blending)
+void vtkChiQuadPass::Draw(const std::vector<vtkTextureObject*>& targets, const chi_rect& rect,
+  Blending blending, std::size_t blended)
 {
   vtkOpenGLState* state = this->Window->GetState();
   this->Bind(targets, rect);
@@ -154,7 +154,7 @@ void vtkChiQuadPass::Draw(
     const unsigned int factor = blending == UNDER ? GL_ONE_MINUS_DST_ALPHA : GL_ONE;
     state->vtkglEnable(GL_BLEND);
     state->vtkglBlendFuncSeparate(factor, GL_ONE, factor, GL_ONE);
-    for (std::size_t i = 1; i < targets.size(); ++i)
+    for (std::size_t i = blended; i < targets.size(); ++i)
     {
       glDisablei(GL_BLEND, static_cast<unsigned int>(i));
     }

@@ -29,8 +29,8 @@ public:
   enum Blending
   {
     REPLACE,
-    UNDER, // target 0: what is there stays in front; further targets are replaced
-    ADD    // likewise: to what is there
+    UNDER, // what is there stays in front
+    ADD    // to what is there
   };
 
   // All draws lie between these two; OpenGL's state is afterwards as it was.
@@ -40,8 +40,9 @@ public:
   // Null where the shader cannot be built. `definitions` are lines of GLSL.
   vtkShaderProgram* Use(const char* shader, const std::string& definitions);
   void Read(const char* name, vtkTextureObject* texture);
+  // The first `blended` targets are blended, further ones replaced.
   void Draw(const std::vector<vtkTextureObject*>& targets, const chi_rect& rect,
-    Blending blending = REPLACE);
+    Blending blending = REPLACE, std::size_t blended = 1);
   // Fill a rectangle of a texture with one value.
   void Clear(vtkTextureObject* target, const chi_rect& rect, const float value[4]);
   // Whether the frame buffer of a draw was refused.

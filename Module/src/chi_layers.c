@@ -28,35 +28,61 @@ int chi_layers_count(const chi_occlusion_frame* frame)
   return (frame->layers ? frame->layers->count : 0) + edge;
 }
 
+/* The slot of the surface's edge; -1: there is none. */
+static int edge_of(const chi_occlusion_frame* frame)
+{
+  return frame->surface && frame->surface->edge_depth ? chi_layers_count(frame) - 1 : -1;
+}
+
+/* Place of a pixel's slot in the caller's arrays. */
+static size_t place_of(const chi_occlusion_frame* frame, int slot, int64_t x, int64_t y)
+{
+  const size_t width = (size_t)frame->camera->width, height = (size_t)frame->camera->height;
+  return ((slot == edge_of(frame) ? 0 : (size_t)slot) * height + (size_t)y) * width + (size_t)x;
+}
+
+const float* chi_layer_color(const chi_occlusion_frame* frame, int slot, int64_t x, int64_t y)
+{
+  return 4 * place_of(frame, slot, x, y) +
+    (slot == edge_of(frame) ? frame->surface->edge_rgba : frame->layers->rgba);
+}
+
+static double layer_depth(const chi_occlusion_frame* frame, int slot, int64_t x, int64_t y)
+{
+  const float* const depth =
+    slot == edge_of(frame) ? frame->surface->edge_depth : frame->layers->depth;
+  return (double)depth[place_of(frame, slot, x, y)];
+}
+
+float chi_layer_alpha(const float rgba[4])
+{
+  return fminf(fmaxf(rgba[3], 0), 1);
+}
+
+float chi_layer_slices(const chi_scene* s, const chi_occlusion_frame* frame, int slot, int64_t x,
+  int64_t y, float surface)
+{
+  const float* const rgba = chi_layer_color(frame, slot, x, y);
+  const double world = layer_depth(frame, slot, x, y);
+  const float here = (float)((world - s->start) / s->slice);
+  const int finite =
+    isfinite(rgba[0]) && isfinite(rgba[1]) && isfinite(rgba[2]) && isfinite(rgba[3]);
+  const int there =
+    world > 0 && world < INFINITY && finite && here < INFINITY && rgba[3] > 0 && !(here >= surface);
+  return there ? here : INFINITY;
+}
+
+float chi_layer_receiver(const chi_scene* s, const chi_occlusion_frame* frame, int slot, int64_t x,
+  int64_t y, float slices)
+{
+  return slices < INFINITY && slot == edge_of(frame)
+    ? chi_surface_receiver(s, frame->surface, x, y, layer_depth(frame, slot, x, y))
+    : slices;
+}
+
 static float* layer_row(const march* m, int which, int64_t y)
 {
   return m->layer_planes + ((size_t)y * LAYER_PLANES + (size_t)which) * m->stride;
-}
-
-/* Place of a pixel's slot in the caller's arrays, and which these are. */
-static size_t place_of(const march* m, int slot, int64_t x, int64_t y)
-{
-  const size_t width = (size_t)m->scene->width, height = (size_t)m->scene->height;
-  return ((slot == m->edge ? 0 : (size_t)slot) * height + (size_t)y) * width + (size_t)x;
-}
-
-/* Premultiplied colour and alpha. */
-static const float* layer_color(const march* m, int slot, int64_t x, int64_t y)
-{
-  return 4 * place_of(m, slot, x, y) +
-    (slot == m->edge ? m->frame->surface->edge_rgba : m->frame->layers->rgba);
-}
-
-static double layer_depth(const march* m, int slot, int64_t x, int64_t y)
-{
-  const float* const depth =
-    slot == m->edge ? m->frame->surface->edge_depth : m->frame->layers->depth;
-  return (double)depth[place_of(m, slot, x, y)];
-}
-
-static float alpha_of(const float rgba[4])
-{
-  return fminf(fmaxf(rgba[3], 0), 1);
 }
 
 static void collect_row(const march* m, int64_t y)
@@ -69,24 +95,16 @@ static void collect_row(const march* m, int64_t y)
     float nearest = INFINITY;
     for (int k = 0; k < m->layers; ++k)
     {
-      const float* const rgba = layer_color(m, k, x, y);
-      const double world = layer_depth(m, k, x, y);
-      const float here = (float)((world - s->start) / s->slice);
-      const int finite =
-        isfinite(rgba[0]) && isfinite(rgba[1]) && isfinite(rgba[2]) && isfinite(rgba[3]);
-      const int there = world > 0 && world < INFINITY && finite && here < INFINITY && rgba[3] > 0 &&
-        !(surface && here >= surface[x]);
-      const float depth = there ? here : INFINITY;
+      const float depth = chi_layer_slices(s, m->frame, k, x, y, surface ? surface[x] : INFINITY);
       layer_row(m, LAYER_DEPTH + k, y)[x] = depth;
       layer_row(m, LAYER_WEIGHT + k, y)[x] = 0;
       for (int c = 0; c < s->channels; ++c)
       {
         layer_row(m, LAYER_VISIBILITY + c * LAYER_SLOTS + k, y)[x] = 1;
       }
-      if (k == m->edge)
+      if (k == edge_of(m->frame))
       {
-        layer_row(m, LAYER_RECEIVER, y)[x] =
-          there ? chi_surface_receiver(s, m->frame->surface, x, y, world) : INFINITY;
+        layer_row(m, LAYER_RECEIVER, y)[x] = chi_layer_receiver(s, m->frame, k, x, y, depth);
       }
       nearest = fminf(nearest, depth);
     }
@@ -99,7 +117,7 @@ static void collect_row(const march* m, int64_t y)
 /* Depths at which a slot receives light. */
 static const float* receiver_row(const march* m, int slot, int64_t y)
 {
-  return layer_row(m, slot == m->edge ? LAYER_RECEIVER : LAYER_DEPTH + slot, y);
+  return layer_row(m, slot == edge_of(m->frame) ? LAYER_RECEIVER : LAYER_DEPTH + slot, y);
 }
 
 /* Step of the march that lights geometry at this depth; see chi_march_receiver_plane. */
@@ -237,7 +255,7 @@ static void pass_layers(march* m, int64_t x, int64_t y, float depth, float* tran
        k = next_slot(m, *done, x, y, &at))
   {
     layer_row(m, LAYER_WEIGHT + k, y)[x] = *transmittance;
-    *transmittance *= 1 - alpha_of(layer_color(m, k, x, y));
+    *transmittance *= 1 - chi_layer_alpha(chi_layer_color(m->frame, k, x, y));
     *done |= (uint8_t)(1 << k);
   }
 }
@@ -292,7 +310,7 @@ static void split_segment(march* m, chi_sample_row* row, int64_t x, int64_t y)
     const float here = absorbed > 0 ? before * powf(after / before, f) : before;
     kept += absorbed > 0 ? through * (last - here) / absorbed : 0;
     layer_row(m, LAYER_WEIGHT + k, y)[x] = through * here;
-    through *= 1 - alpha_of(layer_color(m, k, x, y));
+    through *= 1 - chi_layer_alpha(chi_layer_color(m->frame, k, x, y));
     last = here;
     *done |= (uint8_t)(1 << k);
   }
@@ -353,7 +371,7 @@ void chi_layers_finish(void* data, size_t begin, size_t end)
           {
             const int plane = LAYER_VISIBILITY + m->scene->channel_of[c] * LAYER_SLOTS + k;
             const float light = 1 - m->strength * (1 - layer_row(m, plane, y)[x]);
-            picture(m, RED + c, y)[x] += weight * light * layer_color(m, k, x, y)[c];
+            picture(m, RED + c, y)[x] += weight * light * chi_layer_color(m->frame, k, x, y)[c];
           }
         }
       }

@@ -12,53 +12,26 @@ enum
 {
   BLOCK = 8, /* slabs that share a footprint */
   CELL = 32, /* pixels */
+  RECTS = 7, /* a slab */
   SURFACE_PLANES = 4,
   SURFACE_FLOATS = 8 /* a pixel: surface and surface_more */
 };
 
 static const chi_rect nothing = { 0, 0, 0, 0 };
 
-static int is_empty(chi_rect r)
-{
-  return r.x0 >= r.x1 || r.y0 >= r.y1;
-}
-
-static int32_t lesser(int32_t a, int32_t b)
-{
-  return a < b ? a : b;
-}
-
-static int32_t greater(int32_t a, int32_t b)
-{
-  return a > b ? a : b;
-}
-
-static chi_rect join(chi_rect a, chi_rect b)
-{
-  if (is_empty(a))
-  {
-    return b;
-  }
-  if (is_empty(b))
-  {
-    return a;
-  }
-  return (
-    chi_rect){ lesser(a.x0, b.x0), lesser(a.y0, b.y0), greater(a.x1, b.x1), greater(a.y1, b.y1) };
-}
-
 static chi_rect meet(chi_rect a, chi_rect b)
 {
-  const chi_rect r = { greater(a.x0, b.x0), greater(a.y0, b.y0), lesser(a.x1, b.x1),
-    lesser(a.y1, b.y1) };
-  return is_empty(r) ? nothing : r;
+  const chi_rect r = { chi_greater(a.x0, b.x0), chi_greater(a.y0, b.y0), chi_lesser(a.x1, b.x1),
+    chi_lesser(a.y1, b.y1) };
+  return chi_rect_is_empty(r) ? nothing : r;
 }
 
 /* Every point moved by any vector from low to high. */
 static chi_rect spread(chi_rect r, const int32_t low[2], const int32_t high[2])
 {
-  return is_empty(r) ? nothing
-                     : (chi_rect){ r.x0 + low[0], r.y0 + low[1], r.x1 + high[0], r.y1 + high[1] };
+  return chi_rect_is_empty(r)
+    ? nothing
+    : (chi_rect){ r.x0 + low[0], r.y0 + low[1], r.x1 + high[0], r.y1 + high[1] };
 }
 
 /* Features that the plan describes end with these members; what is appended after them must be as
@@ -323,10 +296,11 @@ static void find_samples(void* data, size_t begin, size_t end)
     {
       for (int32_t x = 0; x < s->width; x += CELL)
       {
-        const chi_rect cell = { x, y, lesser(x + CELL, s->width), lesser(y + CELL, s->height) };
+        const chi_rect cell = { x, y, chi_lesser(x + CELL, s->width),
+          chi_lesser(y + CELL, s->height) };
         if (cell_is_visible(it, (double)first, (double)last, x, y))
         {
-          found = join(found, cell);
+          found = chi_rect_join(found, cell);
         }
       }
     }
@@ -337,37 +311,56 @@ static void find_samples(void* data, size_t begin, size_t end)
   }
 }
 
+float chi_plan_beyond(const chi_scene* s, double plane)
+{
+  const double behind = (double)s->slabs - 0.5;
+  return s->slabs > 0 && plane + 0.5 > behind
+    ? (float)chi_scene_shift(s, chi_scene_depth(s, behind), chi_scene_depth(s, plane + 0.5))
+    : 0;
+}
+
 /* Four planes of chi_surface_intervals into the layout of the plan. */
 static void place_surfaces(void* data, size_t begin, size_t end)
 {
   const describe_job* const it = (const describe_job*)data;
   const chi_scene* const s = it->scene;
   const size_t width = (size_t)s->width, count = width * (size_t)s->height;
+  const chi_surface_view* const view = it->frame->surface;
   float(*const surface)[4] = (float(*)[4])it->keep->surface.data;
   float(*const more)[4] = surface + count;
-  const double behind = (double)s->slabs - 0.5;
   for (size_t i = begin * width; i < end * width; ++i)
   {
     const float slices = it->planes[i], receiver = it->planes[count + i];
     const float from = it->planes[2 * count + i], to = it->planes[3 * count + i];
-    const int any = receiver < INFINITY;
+    const int any = receiver < INFINITY, blocks = from < INFINITY;
     const double plane = any ? chi_march_receiver_plane(s, (double)receiver) : INFINITY;
     surface[i][0] = slices;
     surface[i][1] = (float)plane;
     surface[i][2] = from;
     surface[i][3] = to;
-    more[i][0] = any ? chi_geometry_opacity(it->frame->params, from, to) : 0;
-    more[i][1] = any && plane + 0.5 > behind
-      ? (float)chi_scene_shift(s, chi_scene_depth(s, behind), chi_scene_depth(s, plane + 0.5))
-      : 0;
-    more[i][2] = any ? it->frame->surface->depth[i] : INFINITY;
-    more[i][3] = 0;
+    more[i][0] = blocks ? chi_geometry_opacity(it->frame->params, from, to) : 0;
+    more[i][1] = any ? chi_plan_beyond(s, plane) : 0;
+    more[i][2] = blocks ? view->depth[i] : INFINITY;
+    more[i][3] = any ? (view->end ? view->end : view->depth)[i] : INFINITY;
   }
 }
 
-static void add_pixel(chi_rect* rect, int32_t x, int32_t y)
+void chi_plan_receive(const chi_occlusion_plan* plan, float plane, int32_t x, int32_t y,
+  chi_rect* receivers, chi_rect* beyond)
 {
-  *rect = join(*rect, (chi_rect){ x, y, x + 1, y + 1 });
+  if (plan->slabs == 0 || !(plane > -1 && plane < INFINITY))
+  {
+    return;
+  }
+  if (plane > (float)(plan->slabs - 1))
+  {
+    chi_rect_add(beyond, x, y);
+  }
+  else
+  {
+    const int64_t above = (int64_t)floorf(plane) + 1;
+    chi_rect_add(receivers + (above < plan->slabs ? above : plan->slabs - 1), x, y);
+  }
 }
 
 /* Which slabs have surfaces that block in them, or receive from their planes. */
@@ -380,44 +373,36 @@ static void bound_surfaces(
     for (int32_t x = 0; x < plan->width; ++x)
     {
       const float* const at = plan->surface[(size_t)y * (size_t)plan->width + (size_t)x];
-      if (!(at[1] < INFINITY))
+      if (at[2] < INFINITY)
       {
-        continue;
+        const int64_t from = at[2] < (float)slabs ? (int64_t)at[2] : slabs;
+        const int64_t to = at[3] < (float)slabs ? (int64_t)at[3] : slabs - 1;
+        const int is_long = to - from > BLOCK; /* taken to the last slab, to spare the loop */
+        for (int64_t g = from; g <= to && !is_long; ++g)
+        {
+          chi_rect_add(blockers + g, x / plan->light_scale, y / plan->light_scale);
+        }
+        if (is_long)
+        {
+          chi_rect_add(carried + from, x / plan->light_scale, y / plan->light_scale);
+        }
       }
-      const int64_t from = at[2] < (float)slabs ? (int64_t)at[2] : slabs;
-      const int64_t to = at[3] < (float)slabs ? (int64_t)at[3] : slabs - 1;
-      const int is_long = to - from > BLOCK; /* taken to the last slab, to spare the loop */
-      for (int64_t g = from; g <= to && !is_long; ++g)
-      {
-        add_pixel(blockers + g, x / plan->light_scale, y / plan->light_scale);
-      }
-      if (is_long)
-      {
-        add_pixel(carried + from, x / plan->light_scale, y / plan->light_scale);
-      }
-      if (at[1] > (float)(slabs - 1))
-      {
-        add_pixel(&plan->beyond, x, y);
-      }
-      else if (at[1] > -1)
-      {
-        const int64_t above = (int64_t)floorf(at[1]) + 1;
-        add_pixel(receivers + (above < slabs ? above : slabs - 1), x, y);
-      }
+      chi_plan_receive(plan, at[1], x, y, receivers, &plan->beyond);
     }
   }
   for (int64_t g = 0; g < slabs; ++g)
   {
-    carried[g] = g ? join(carried[g], carried[g - 1]) : carried[g];
-    blockers[g] = join(blockers[g], carried[g]);
+    carried[g] = g ? chi_rect_join(carried[g], carried[g - 1]) : carried[g];
+    blockers[g] = chi_rect_join(blockers[g], carried[g]);
   }
 }
 
 static chi_rect to_light(const chi_occlusion_plan* plan, chi_rect r)
 {
   const int32_t s = plan->light_scale;
-  return is_empty(r) ? nothing
-                     : (chi_rect){ r.x0 / s, r.y0 / s, (r.x1 - 1) / s + 1, (r.y1 - 1) / s + 1 };
+  return chi_rect_is_empty(r)
+    ? nothing
+    : (chi_rect){ r.x0 / s, r.y0 / s, (r.x1 - 1) / s + 1, (r.y1 - 1) / s + 1 };
 }
 
 /* Least and greatest shift of a slab. */
@@ -429,10 +414,10 @@ static void shift_range(
   for (int k = 0; k < plan->directions; ++k)
   {
     const chi_plan_shift* const shift = plan->shift + slab * plan->directions + k;
-    low[0] = lesser(low[0], shift->x);
-    low[1] = lesser(low[1], shift->y);
-    high[0] = greater(high[0], shift->x + 1);
-    high[1] = greater(high[1], shift->y + 1);
+    low[0] = chi_lesser(low[0], shift->x);
+    low[1] = chi_lesser(low[1], shift->y);
+    high[0] = chi_greater(high[0], shift->x + 1);
+    high[1] = chi_greater(high[1], shift->y + 1);
   }
 }
 
@@ -452,28 +437,31 @@ static void bound_light(chi_occlusion_plan* plan, chi_rect* light, int keep_all)
     shift_range(plan, g, low, high);
     /* q reads q + shift: what is at p comes to p - shift */
     const int32_t down[2] = { -high[0], -high[1] }, up[2] = { -low[0], -low[1] };
-    dark =
-      join(dark, spread(dark, down, up)); /* the other buffer's light stays until overwritten */
-    dark = join(dark, to_light(plan, plan->samples[g]));
-    dark = meet(join(dark, plan->blockers[g]), whole);
+    dark = chi_rect_join(
+      dark, spread(dark, down, up)); /* the other buffer's light stays until overwritten */
+    dark = chi_rect_join(dark, to_light(plan, plan->samples[g]));
+    dark = meet(chi_rect_join(dark, plan->blockers[g]), whole);
     light[g] = keep_all ? whole : dark;
   }
-  chi_rect wanted = is_empty(plan->beyond) ? nothing : whole;
+  chi_rect wanted =
+    chi_rect_is_empty(chi_rect_join(plan->beyond, plan->layers_beyond)) ? nothing : whole;
   chi_rect later =
     nothing; /* samples of later slabs: they read planes that lie up to a ring back */
   for (int64_t g = plan->slabs - 1; g >= 0 && !keep_all; --g)
   {
     for (int64_t k = 0; k < 2 && g + k < plan->slabs; ++k)
     {
-      wanted = join(wanted,
-        spread(to_light(plan, plan->receivers[g + k]), pixel[0], pixel[1])); /* planes g, g - 1 */
+      const chi_rect receivers =
+        chi_rect_join(plan->receivers[g + k], plan->layer_receivers[g + k]);
+      wanted = chi_rect_join(
+        wanted, spread(to_light(plan, receivers), pixel[0], pixel[1])); /* planes g, g - 1 */
     }
-    wanted = meet(join(wanted, spread(to_light(plan, later), pixel[0], pixel[1])), whole);
+    wanted = meet(chi_rect_join(wanted, spread(to_light(plan, later), pixel[0], pixel[1])), whole);
     light[g] = meet(light[g], wanted);
     int32_t low[2], high[2];
     shift_range(plan, g, low, high);
     wanted = spread(wanted, low, high);
-    later = join(later, plan->samples[g]);
+    later = chi_rect_join(later, plan->samples[g]);
   }
 }
 
@@ -550,15 +538,16 @@ chi_status chi_plan_fill(const chi_exec* exec, chi_plan_keep* keep, const chi_sc
   memset(plan, 0, sizeof *plan);
   plan->struct_size = sizeof *plan;
   plan->features = chi_occlusion_features(whole);
-  if (!chi_buffer_reserve(exec, &keep->rects, 5 * slabs + 1, sizeof(chi_rect)) ||
+  if (!chi_buffer_reserve(exec, &keep->rects, RECTS * slabs + 1, sizeof(chi_rect)) ||
     !chi_buffer_reserve(exec, &keep->shifts, slabs * directions + 1, sizeof(chi_plan_shift)))
   {
     return CHI_ERROR_OUT_OF_MEMORY;
   }
   chi_rect* const samples = (chi_rect*)keep->rects.data;
   chi_rect *const blockers = samples + slabs, *const light = blockers + slabs,
-                  *const receivers = light + slabs, *const carried = receivers + slabs;
-  memset(samples, 0, 5 * slabs * sizeof(chi_rect));
+                  *const receivers = light + slabs, *const carried = receivers + slabs,
+                  *const spots = carried + slabs, *const layer_receivers = spots + slabs;
+  memset(samples, 0, RECTS * slabs * sizeof(chi_rect));
   describe_scene(plan, scene);
   describe_vicinity(plan, scene, frame->params);
   plan->strength = frame->params->strength;
@@ -569,6 +558,8 @@ chi_status chi_plan_fill(const chi_exec* exec, chi_plan_keep* keep, const chi_sc
   plan->blockers = blockers;
   plan->light = light;
   plan->receivers = receivers;
+  plan->layer_spots = spots;
+  plan->layer_receivers = layer_receivers;
 
   chi_frame_light fields;
   chi_frame_fields(frame, &fields);
@@ -607,6 +598,10 @@ chi_status chi_plan_fill(const chi_exec* exec, chi_plan_keep* keep, const chi_sc
   {
     status = describe_surfaces(&job, plan, blockers, receivers, carried);
   }
+  if (status == CHI_OK)
+  {
+    status = chi_plan_layers(exec, keep, scene, frame, spots, layer_receivers);
+  }
   const int light_kinds = CHI_SKIP_SATURATED_LIGHT | CHI_SKIP_UNREACHED_LIGHT;
   bound_light(plan, light, (skip & light_kinds) != light_kinds);
   return status == CHI_OK ? describe_reduction(exec, keep, scene, whole) : status;
@@ -619,4 +614,5 @@ void chi_plan_free(const chi_exec* exec, chi_plan_keep* keep)
   chi_buffer_free(exec, &keep->surface);
   chi_buffer_free(exec, &keep->planes);
   chi_buffer_free(exec, &keep->guide);
+  chi_buffer_free(exec, &keep->layers);
 }

@@ -220,6 +220,16 @@ int chi_layers_are_valid(const chi_layers_view* layers);
 /* Layers a pixel at most, with a surface's edge. */
 int chi_layers_count(const chi_occlusion_frame* frame);
 
+/* Of a pixel's slots: colour, premultiplied, and alpha before it is cut to 0 ... 1; depth in
+ * slices, INFINITY where there is no layer in front of the `surface`, slices; depth from which it
+ * receives light. */
+const float* chi_layer_color(const chi_occlusion_frame* frame, int slot, int64_t x, int64_t y);
+float chi_layer_alpha(const float rgba[4]);
+float chi_layer_slices(const chi_scene* scene, const chi_occlusion_frame* frame, int slot,
+  int64_t x, int64_t y, float surface);
+float chi_layer_receiver(const chi_scene* scene, const chi_occlusion_frame* frame, int slot,
+  int64_t x, int64_t y, float slices);
+
 enum
 {
   CHI_MAX_VICINITY_SAMPLES = 118 /* Schott et al. 2013, section 3.2.5 */

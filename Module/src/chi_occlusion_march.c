@@ -305,7 +305,6 @@ chi_status chi_march_run(const chi_exec* exec, chi_march* keep, const chi_scene*
     .bricks = bricks,
     .classification = classification,
     .layers = chi_layers_count(frame),
-    .edge = frame->surface && frame->surface->edge_depth ? chi_layers_count(frame) - 1 : -1,
     .skip = chi_skip_kinds(frame->params),
     .strength = (float)frame->params->strength,
     .shaded = frame->params->strength > 0 };

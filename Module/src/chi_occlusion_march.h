@@ -120,7 +120,6 @@ typedef struct march
   int64_t* order;          /* [tickets][2] block, band */
   atomic_uchar* done;      /* [blocks][bands] */
   int layers; /* slots in use: translucent ones, then the edge; 0: the next are not there */
-  int edge;   /* slot of the edge, or -1 */
   float* layer_planes; /* [rows][LAYER_PLANES][stride] */
   float* layer_next;   /* [rows][cells_x] depth of the nearest layer that is not blended yet */
   float* layer_steps;  /* [light rows][segments][2] first and last step that lights a layer */

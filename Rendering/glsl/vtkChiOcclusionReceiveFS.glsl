@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // Visibility of the surfaces that lie between two light planes, or, with BEYOND, behind the last one:
-// these read every direction at the offset that is left.
+// these read every direction at the offset that is left. With LAYERS, of the translucent layers there,
+// an output each, to be added; 0 where a layer lies elsewhere.
 //VTK::System::Dec
 //VTK::Output::Dec
 //CHI::Defines::Dec
@@ -10,11 +11,17 @@
 in vec2 texCoord;        // 0 to 1 over the target
 uniform vec2 targetSize; // pixels
 
+#if LAYERS > 0
+uniform sampler2D layersTexture; // slots a picture apart: depth, alpha, plane that is received, shift
+#else
 uniform sampler2D surfaceTexture; // depth, plane that is received, ...
+#endif
 uniform float above;              // number of the plane above; BEYOND: of the last one
 
 #if BEYOND
+#if LAYERS == 0
 uniform sampler2D surfaceMoreTexture; // ..., shift a unit of slope, ...
+#endif
 uniform sampler2D lightTexture0;      // its border is light from outside: 1
 uniform sampler2D lightTexture1;
 uniform sampler2D lightTexture2;
@@ -42,16 +49,16 @@ float four(sampler2D from, int k, vec2 at, vec2 unit)
     tap(from, at + direction[4 * k + 3] * unit).a));
 }
 
-void main()
+bool receives(float plane)
 {
-  ivec2 pixel = ivec2(texCoord * targetSize);
-  if (!(texelFetch(surfaceTexture, pixel, 0).g > above) ||
-    !(texelFetch(surfaceTexture, pixel, 0).g < 1e30))
-  {
-    discard;
-  }
-  vec2 unit = lightPixels * texelFetch(surfaceMoreTexture, pixel, 0).g;
-  vec2 at = (floor(texCoord * targetSize) + 0.5) / float(LIGHT_SCALE);
+  return plane > above && plane < 1e30;
+}
+
+// Of one channel, of a plane this shift behind the last.
+vec3 lightAt(ivec2 pixel, float plane, float shift)
+{
+  vec2 unit = lightPixels * shift;
+  vec2 at = (vec2(pixel) + 0.5) / float(LIGHT_SCALE);
   float sum = four(lightTexture0, 0, at, unit);
 #if TARGETS > 1
   sum += four(lightTexture1, 1, at, unit);
@@ -62,7 +69,7 @@ void main()
 #if TARGETS > 3
   sum += four(lightTexture3, 3, at, unit);
 #endif
-  gl_FragData[0] = vec4(sum * colors, 0.0);
+  return sum * colors;
 }
 
 #else
@@ -80,19 +87,18 @@ vec3 weights(int pixel, int size)
                                              : lightWeight[2];
 }
 
-void main()
+bool receives(float plane)
 {
-  ivec2 pixel = ivec2(texCoord * targetSize);
-  float plane = texelFetch(surfaceTexture, pixel, 0).g;
-  if (!((plane < above || (plane == above && last > 0.0)) && plane >= above - 1.0))
-  {
-    discard;
-  }
-  ivec2 size = textureSize(planeTexture0, 0);
+  return (plane < above || (plane == above && last > 0.0)) && plane >= above - 1.0;
+}
+
+vec3 lightAt(ivec2 pixel, float plane, float shift)
+{
 #if LIGHT_SCALE == 1
   LIGHT below = texelFetch(planeTexture0, pixel, 0).CHANNELS;
   LIGHT upper = texelFetch(planeTexture1, pixel, 0).CHANNELS;
 #else
+  ivec2 size = textureSize(planeTexture0, 0);
   LIGHT below = LIGHT(0.0);
   LIGHT upper = LIGHT(0.0);
   vec3 u = weights(pixel.x, size.x);
@@ -109,6 +115,46 @@ void main()
 #endif
   below = mix(LIGHT(1.0), clamp(below, 0.0, 1.0), planeThere.x);
   upper = mix(LIGHT(1.0), clamp(upper, 0.0, 1.0), planeThere.y);
-  gl_FragData[0].CHANNELS = mix(below, upper, plane - above + 1.0);
+  return vec3(mix(below, upper, plane - above + 1.0));
 }
 #endif
+
+#if LAYERS > 0
+vec4 layer(ivec2 pixel, int k)
+{
+  vec2 place = texelFetch(layersTexture, pixel + ivec2(0, k * int(targetSize.y)), 0).ba;
+  return vec4(receives(place.x) ? lightAt(pixel, place.x, place.y) : vec3(0.0), 0.0);
+}
+#endif
+
+void main()
+{
+  ivec2 pixel = ivec2(texCoord * targetSize);
+#if LAYERS > 0
+  gl_FragData[0] = layer(pixel, 0);
+#if LAYERS > 1
+  gl_FragData[1] = layer(pixel, 1);
+#endif
+#if LAYERS > 2
+  gl_FragData[2] = layer(pixel, 2);
+#endif
+#if LAYERS > 3
+  gl_FragData[3] = layer(pixel, 3);
+#endif
+#if LAYERS > 4
+  gl_FragData[4] = layer(pixel, 4);
+#endif
+#else
+  float plane = texelFetch(surfaceTexture, pixel, 0).g;
+  if (!receives(plane))
+  {
+    discard;
+  }
+#if BEYOND
+  float shift = texelFetch(surfaceMoreTexture, pixel, 0).g;
+#else
+  float shift = 0.0;
+#endif
+  gl_FragData[0] = vec4(lightAt(pixel, plane, shift), 0.0);
+#endif
+}

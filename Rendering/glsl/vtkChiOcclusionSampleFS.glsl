@@ -3,7 +3,8 @@
 //
 // Samples of one slab: fetch, classify, composite, as the core's kernels do it
 // (simd/chi_occlusion_sample.inl). Output 0 goes under what the rays have met already (blending
-// ONE_MINUS_DST_ALPHA, ONE), output 1 is the optical thickness of the slab along the view axis.
+// ONE_MINUS_DST_ALPHA, ONE), and so do the weights of layers, WEIGHTS outputs; the last output is the
+// optical thickness of the slab along the view axis.
 //VTK::System::Dec
 //VTK::Output::Dec
 //CHI::Defines::Dec
@@ -72,6 +73,10 @@ void main()
 
   vec4 color = vec4(0.0);
   float thickness = 0.0;
+  float through = 1.0;
+#if LAYERS > 0
+  startLayers(ivec2(pixel));
+#endif
   if (enter < leave && enter < float(segments) && leave > 0.0)
   {
 #if HAS_SURFACE
@@ -80,7 +85,6 @@ void main()
     vec3 lastIndex = vec3(textureSize(volumeTexture, 0) - 1);
     vec2 slope = raySlope + pixel * raySlopeStep;
     float ray = sqrt(1.0 + dot(slope, slope));
-    float through = 1.0;
     float before = -1.0;
     bool known = false; // before: the table position at the near slice
 #if HAS_LIGHT
@@ -168,7 +172,17 @@ void main()
         rgb = texelFetch(colorTexture, entryPlace(int(t - 0.5 * change + 0.5)), 0).rgb;
       }
 #endif
+#if LAYERS > 0
+      weight = blendLayers(vec3(max(near, enter),
+#if HAS_SURFACE
+        min(stop, surface),
+#else
+        stop,
+#endif
+        near + 1.0) + firstSlice, tau, through);
+#else
       through -= weight;
+#endif
       vec3 visibility = vec3(1.0);
 #if HAS_LIGHT
       if (!lit)
@@ -185,8 +199,21 @@ void main()
 #endif
       color.rgb += weight * rgb;
     }
-    color.a = 1.0 - through;
   }
+#if LAYERS > 0
+  blendLayers(layerRange.yyy, 0.0, through); // behind the slab's samples
+#endif
+  color.a = 1.0 - through;
   gl_FragData[0] = color;
+#if WEIGHTS == 0
   gl_FragData[1] = vec4(thickness);
+#else
+  gl_FragData[1] = vec4(layerWeight[0], layerWeight[1], layerWeight[2], color.a);
+#if WEIGHTS == 1
+  gl_FragData[2] = vec4(thickness);
+#else
+  gl_FragData[2] = vec4(layerWeight[3], layerWeight[4], layerWeight[5], color.a);
+  gl_FragData[3] = vec4(thickness);
+#endif
+#endif
 }

@@ -13,7 +13,7 @@ uniform vec2 targetSize; // pixels
 uniform sampler2D visibilityTexture;
 uniform float strength;
 #if SAMPLES > 0
-uniform sampler2D surfaceMoreTexture; // ..., depth in world units, ...
+uniform sampler2D surfaceMoreTexture; // ..., depth in world units, and where rays end
 uniform vec2 disc[LIGHTS * SAMPLES]; // in radii
 uniform vec2 radius;                 // of each light's disc, world units
 uniform vec2 share;                  // of all light
@@ -84,7 +84,7 @@ void main()
   ivec2 pixel = ivec2(texCoord * targetSize);
   LIGHT v = texelFetch(visibilityTexture, pixel, 0).CHANNELS;
 #if SAMPLES > 0
-  float z = depthAt(pixel);
+  float z = texelFetch(surfaceMoreTexture, pixel, 0).a;
   if (z < none)
   {
     float near = vicinity(pixel, z);

@@ -191,7 +191,9 @@ typedef struct chi_occlusion_plan
   const float (*surface)[4]; /**< depth in slices; plane of light planes that is received; slabs
                                 that it begins and ends to block */
   const float (*surface_more)[4]; /**< share of light that it blocks a slab; shift, in units of
-                                     slope, from the last slab's end; depth, world units; 0 */
+                                     slope, from the last slab's end; depth, world units, and that
+                                     of what rays end at, which differ where a pixel is covered in
+                                     part */
 
   /* Vicinity; 0 samples: none. */
   int32_t vicinity_samples, vicinity_plane_rule, combine;
@@ -234,6 +236,20 @@ typedef struct chi_occlusion_plan
   double guide_far;   /**< what infinite stands for in d */
 
   const chi_plan_shading* shading; /**< NULL: gradients do nothing */
+
+  /* Translucent layers, and parts of pixels that a surface covers, which are as such. At its depth
+   * f of the way through a segment's samples the transmittance T there is T q^f of the segment's
+   * T q; it takes its alpha of that, and adds as much of its colour, times its light: the
+   * visibility of field surface_field at its plane, and strength, as of a surface. */
+  int32_t layers; /**< of a pixel at most; 0: the next are null or empty */
+  /** [layers][height][width], the nearest first: depth in slices, infinite where there is none;
+   * alpha; plane of light planes that is received; shift, in units of slope, from the last slab's
+   * end */
+  const float (*layer)[4];
+  const float (*layer_rgba)[4];    /**< likewise; premultiplied */
+  const chi_rect* layer_spots;     /**< [slabs] pixels with layers in it, or in front of slab 0 */
+  const chi_rect* layer_receivers; /**< [slabs] pixels with layers between the planes g - 1 and g */
+  chi_rect layers_beyond;          /**< pixels with layers behind the last plane */
 } chi_occlusion_plan;
 
 /** Samples of one slab: rays, and the light planes that they read. */
