@@ -81,6 +81,8 @@ private:
   void DrawSamples(const chi_occlusion_plan& plan, std::int64_t slab);
   static std::string DefineShading(const chi_occlusion_plan& plan);
   void SetShading(vtkShaderProgram* program, const chi_occlusion_plan& plan);
+  static std::string DefineCuts(const chi_occlusion_plan& plan);
+  void SetCuts(vtkShaderProgram* program, const chi_occlusion_plan& plan);
   void DrawLight(const chi_occlusion_plan& plan, int field, int channel, std::int64_t slab);
   void DrawReceivers(const chi_occlusion_plan& plan, std::int64_t slab, bool layers);
   void DrawBeyond(const chi_occlusion_plan& plan, bool layers);

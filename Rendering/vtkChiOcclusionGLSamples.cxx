@@ -4,6 +4,7 @@
 #include "vtkChiOcclusionGL.h"
 
 #include "vtkChiOcclusionClassifyFunctions.h"
+#include "vtkChiOcclusionCutFunctions.h"
 #include "vtkChiOcclusionFetchFunctions.h"
 #include "vtkChiOcclusionGLTools.h"
 #include "vtkChiOcclusionPlanesFunctions.h"
@@ -30,7 +31,7 @@ const char* sampleShader()
     vtkShaderProgram::Substitute(source, "//CHI::Functions::Dec",
       std::string(vtkChiOcclusionFetchFunctions) + vtkChiOcclusionClassifyFunctions +
         vtkChiOcclusionPlanesFunctions + vtkChiOcclusionShadeFunctions +
-        vtkChiOcclusionRowsFunctions + vtkChiOcclusionSplitFunctions);
+        vtkChiOcclusionRowsFunctions + vtkChiOcclusionSplitFunctions + vtkChiOcclusionCutFunctions);
     return source;
   }();
   return whole.c_str();
@@ -53,7 +54,7 @@ void vtkChiOcclusionGL::DrawSamples(const chi_occlusion_plan& plan, std::int64_t
       define("COLOR_PARTS", integrates ? plan.color_parts : 0) +
       define("COLOR_STEPS", plan.color_steps) +
       define("TABLE_WIDTH", vtkChiOcclusionTextures::TABLE_WIDTH) + defineLight(plan) +
-      this->DefineShading(plan) + this->DefineLayers(plan));
+      this->DefineShading(plan) + this->DefineLayers(plan) + this->DefineCuts(plan));
   if (!program)
   {
     return;
@@ -118,6 +119,7 @@ void vtkChiOcclusionGL::DrawSamples(const chi_occlusion_plan& plan, std::int64_t
   {
     this->ReadLayers(program, plan, slab, slab + 1);
   }
+  this->SetCuts(program, plan);
   const chi_rect& rect = plan.samples[slab];
   std::vector<vtkTextureObject*> targets = { this->Layer.Get() };
   targets.insert(targets.end(), this->LayerWeights.begin(), this->LayerWeights.end());

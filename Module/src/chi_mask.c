@@ -214,7 +214,7 @@ static chi_status build_labels(keep_job* job)
 }
 
 /* What is left of the cells in and around a brick: 0 nothing, 1 something, 2 all. */
-static int share_of_brick(const chi_keep_grid* grid, const size_t brick[3], size_t margin)
+static int share_of_brick(const chi_plan_grid* grid, const size_t brick[3], size_t margin)
 {
   size_t low[3], high[3];
   for (int a = 0; a < 3; ++a)
@@ -303,7 +303,7 @@ static void grow_bricks(void* data, size_t begin, size_t end)
 static chi_status build_grid(keep_job* job, const chi_volume_view* volume, int voxels)
 {
   chi_mask* const mask = job->mask;
-  chi_keep_grid* const grid = mask->grid + mask->grids;
+  chi_plan_grid* const grid = mask->grid + mask->grids;
   chi_buffer* const keep = mask->keep + mask->grids;
   job->count = 1;
   for (int a = 0; a < 3; ++a)
@@ -400,7 +400,7 @@ chi_status chi_mask_build(const chi_exec* exec, chi_mask* mask, const chi_bricks
 
 void chi_mask_free(const chi_exec* exec, chi_mask* mask)
 {
-  for (int k = 0; k < CHI_KEEP_GRIDS; ++k)
+  for (int k = 0; k < CHI_PLAN_GRIDS; ++k)
   {
     chi_buffer_free(exec, &mask->keep[k]);
   }
@@ -432,4 +432,22 @@ int chi_mask_cuts(
   int64_t all;
   return mask && mask->grids &&
     chi_bricks_count(bricks, (const int32_t*)mask->sums.data, low, high, &all) > 0;
+}
+
+int chi_cut_prepare(chi_plan_cut* cut, const chi_scene* scene, const chi_mask* mask)
+{
+  memset(cut, 0, sizeof *cut);
+  cut->regions = scene->regions;
+  for (int k = 0; k < 24; ++k)
+  {
+    cut->plane[k / 4][k % 4] = (float)scene->crop[k / 4][k % 4];
+  }
+  cut->grids = mask ? mask->grids : 0;
+  for (int k = 0; k < cut->grids; ++k)
+  {
+    cut->grid[k] = mask->grid[k];
+  }
+  cut->whole = cut->grids ? (const uint8_t*)mask->whole.data : NULL;
+  cut->ahead = 1.0f / 64;
+  return cut->regions != CHI_CROP_ALL_REGIONS || cut->grids > 0;
 }

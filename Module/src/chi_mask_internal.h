@@ -25,6 +25,9 @@ void chi_mask_free(const chi_exec* exec, chi_mask* mask);
 /* Bricks of which nothing is left are not occupied. */
 void chi_mask_apply(const chi_mask* mask, const chi_bricks* bricks, chi_classification* out);
 
+/* What both engines need of it; 0 where nothing is cut. `mask` may be NULL. */
+int chi_cut_prepare(chi_plan_cut* cut, const chi_scene* scene, const chi_mask* mask);
+
 /* Whether anything is masked within, or near, [low, high] of index space; 0 without a mask. */
 int chi_mask_cuts(
   const chi_mask* mask, const chi_bricks* bricks, const double low[3], const double high[3]);

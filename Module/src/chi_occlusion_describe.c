@@ -3,6 +3,7 @@
 /* A frame in the words of chi_occlusion_plan.h. */
 
 #include "chi_occlusion_describe.h"
+#include "chi_mask_internal.h"
 #include "chi_occlusion_march.h"
 
 #include <math.h>
@@ -275,6 +276,10 @@ static int cell_is_visible(const describe_job* it, double first, double last, in
     {
       return 0;
     }
+  }
+  if (chi_crop_share(s, (const double(*)[3])p) == CHI_CUT_ALL)
+  {
+    return 0;
   }
   int64_t all;
   return !(chi_skip_kinds(it->frame->params) & CHI_SKIP_BRICKS) ||
@@ -592,6 +597,7 @@ chi_status chi_plan_fill(const chi_exec* exec, chi_plan_keep* keep, const chi_sc
       return CHI_ERROR_INVALID_ARGUMENT;
     }
     plan->shading = shaded ? &keep->shading : NULL;
+    plan->cut = chi_cut_prepare(&keep->cut, scene, classification->mask) ? &keep->cut : NULL;
     status = chi_for(exec, (slabs + BLOCK - 1) / BLOCK, find_samples, &job);
   }
   if (status == CHI_OK && frame->surface)

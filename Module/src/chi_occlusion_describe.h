@@ -47,6 +47,7 @@ typedef struct chi_plan_keep
 {
   chi_occlusion_plan plan;
   chi_plan_shading shading;
+  chi_plan_cut cut;
   chi_buffer shifts, rects, surface, planes, guide, layers;
 } chi_plan_keep;
 

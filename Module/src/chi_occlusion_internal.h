@@ -66,8 +66,8 @@ enum
 typedef struct chi_mask
 {
   int grids;
-  chi_keep_grid grid[CHI_KEEP_GRIDS];
-  chi_buffer keep[CHI_KEEP_GRIDS]; /* uint32, one bit a cell */
+  chi_plan_grid grid[CHI_PLAN_GRIDS];
+  chi_buffer keep[CHI_PLAN_GRIDS]; /* uint32, one bit a cell */
   chi_buffer some;                 /* uint8 a brick: something is left within a step of it */
   chi_buffer whole;                /* uint8 a brick, padded: all is left within a step of it */
   chi_buffer sums;                 /* int32, summed volume of the bricks that are not whole */

@@ -3,6 +3,7 @@
 /* Layout, buffers and order of a frame's march. */
 
 #include "chi_components_internal.h"
+#include "chi_mask_internal.h"
 #include "chi_occlusion_march.h"
 
 #include <math.h>
@@ -360,17 +361,7 @@ static chi_status set_sample_frame(march* m)
   f->brick_step_y = (int32_t)b->count[0];
   f->brick_step_z = (int32_t)(b->count[0] * b->count[1]);
   f->slice = (float)m->scene->slice;
-  f->cut.regions = m->scene->regions;
-  f->cut.grids = c->mask ? c->mask->grids : 0;
-  for (int k = 0; k < f->cut.grids; ++k)
-  {
-    f->cut.grid[k] = c->mask->grid[k];
-  }
-  f->cut.whole = c->mask ? (const uint8_t*)c->mask->whole.data : NULL;
-  for (int k = 0; k < 24; ++k)
-  {
-    f->cut.plane[k / 4][k % 4] = (float)m->scene->crop[k / 4][k % 4];
-  }
+  chi_cut_prepare(&f->cut, m->scene, c->mask);
   f->tinted = m->scene->channels > 1;
   f->general |= f->tinted;
   int shaded = 0;

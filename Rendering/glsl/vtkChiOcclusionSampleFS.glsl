@@ -96,11 +96,27 @@ void main()
     for (int i = begin; i < end; ++i)
     {
       float near = float(i);
-      float stop = min(near + 1.0, leave);
-      float fraction = max(stop - max(near, enter), 0.0);
+      float start = max(near, enter);
+      float far = min(near + 1.0, leave);
+      float stop = far; // of samples
+      float fraction = max(stop - start, 0.0);
       bool entering = enter >= near || (startsHere != 0 && i == 0);
+#if HAS_REGIONS || GRIDS > 0
+      Left left = cutSegment(p + (near + 1.0) * q, q, entering ? start - near : -cutAhead,
+        start - near, stop - near);
+      if (!(left.length > 0.0))
+      {
+        before = -1.0;
+        known = true;
+        continue;
+      }
+      entering = entering || !left.before;
+      start = near + left.run;
+      stop = near + left.stop;
+      fraction = left.length;
+#endif
 #if NEAREST
-      float place = 0.5 * (max(near, enter) + stop); // the middle's label is the segment's
+      float place = 0.5 * (start + stop); // the middle's label is the segment's
       float ahead = near - 0.5;
 #else
       float place = stop;
@@ -125,7 +141,11 @@ void main()
       }
       float depth = meanExtinction(t0, t) * (fraction * slice);
 #if HAS_SHADING
+#if NEAREST
+      vec3 middle = p + place * q;
+#else
       vec3 middle = p + (stop - 0.5 * fraction) * q;
+#endif
       float whole = depth * ray; // the colour's, which knows neither gradients nor surfaces
       if (!(depth > 0.0))
       {
@@ -175,9 +195,9 @@ void main()
 #if LAYERS > 0
       weight = blendLayers(vec3(max(near, enter),
 #if HAS_SURFACE
-        min(stop, surface),
+        min(far, surface),
 #else
-        stop,
+        far,
 #endif
         near + 1.0) + firstSlice, tau, through);
 #else

@@ -128,6 +128,7 @@ class Agreement(unittest.TestCase):
     # the issue's bounds, of 255
     MEAN = 1.0
     PERCENTILE_99 = 4.0
+    LEAST = 400  # pixels, so that there is something to compare
 
     def check(self, content, darkens=True, without=None, **options):
         """Compare the engines' pictures; `without`: options that leave out what is tested, which must show."""
@@ -136,7 +137,7 @@ class Agreement(unittest.TestCase):
         self.assertEqual(mapper.GetEngineInUse(), CPU)
         gpu, gpu_visibility, mapper = render(OPENGL, content, setup, **options)
         self.assertEqual(mapper.GetEngineInUse(), OPENGL, mapper.GetEngineReason())
-        self.assertGreater((cpu[..., 3] > 0.05).sum(), 400)  # there is something to compare
+        self.assertGreater((cpu[..., 3] > 0.05).sum(), self.LEAST)
         darkened = (cpu_visibility < 1.0).reshape(*cpu.shape[:2], -1).any(axis=2)
         seen = (np.maximum(cpu[..., 3], gpu[..., 3]) > 0.0, darkened)
         pairs = ((cpu, gpu), (cpu_visibility, gpu_visibility))

@@ -376,15 +376,7 @@ class WhichEngine(unittest.TestCase):
         def published(mapper):
             mapper.SetOcclusionMethodToPublished()
 
-        def cropped(mapper):
-            mapper.CroppingOn()
-            mapper.SetCroppingRegionPlanes(-0.5, 0.5, -0.5, 0.5, -0.5, 0.5)
-            mapper.SetCroppingRegionFlagsToFence()
-
-        for word, setup in (
-            ("published", published),
-            ("cropping", cropped),
-        ):
+        for word, setup in (("published", published),):
             with self.subTest(word):
                 self.check_stand_in(word, setup)
 

@@ -38,7 +38,8 @@ enum
 enum
 {
   CHI_PLAN_DIRECTIONS = 128,
-  CHI_PLAN_VICINITY = 118
+  CHI_PLAN_VICINITY = 118,
+  CHI_PLAN_GRIDS = 2
 };
 
 /** Half-open; empty where x0 >= x1 or y0 >= y1. */
@@ -86,6 +87,34 @@ typedef struct chi_plan_channel
   float thin;        /**< thickness below which that of a light pixel is the plain mean */
   float reserved;
 } chi_plan_channel;
+
+/** One bit a cell: what lies in it stays. Cell (i, j, k) holds the index positions that are (i, j,
+ * k) after adding `offset` and rounding down. */
+typedef struct chi_plan_grid
+{
+  const uint32_t* bits; /**< cell n = i + step_y j + step_z k: bit n & 31 of word n >> 5 */
+  int32_t step_y, step_z;
+  int32_t last[3];
+  float offset; /**< 0.5: voxels about samples; 0: cells between them */
+} chi_plan_grid;
+
+/**
+ * What is left of the volume besides box and clip planes (chi_mask.h). A segment is parted where it
+ * crosses planes of regions and faces of cells: of each axis and grid, the first face and the last.
+ * It counts by the length of what is left, and its sample lies where its last part without a gap
+ * ends, or, of nearest samples, in that part's middle. Where `ahead` before its near slice nothing
+ * is left, the ray begins anew.
+ */
+typedef struct chi_plan_cut
+{
+  uint32_t regions;  /**< that stay, bit x + 3 y + 9 z; CHI_CROP_ALL_REGIONS: all */
+  float plane[6][4]; /**< index units: low x, high x, low y, ... */
+  int32_t grids;     /**< a point must stay in all of them */
+  chi_plan_grid grid[CHI_PLAN_GRIDS];
+  const uint8_t* whole; /**< [bricks]: nothing is masked within a step of the brick; null where
+                           there is no grid */
+  float ahead;          /**< slices */
+} chi_plan_cut;
 
 /** A light of chi_shading.h; its colours times the material's share. */
 typedef struct chi_plan_light
@@ -250,6 +279,8 @@ typedef struct chi_occlusion_plan
   const chi_rect* layer_spots;     /**< [slabs] pixels with layers in it, or in front of slab 0 */
   const chi_rect* layer_receivers; /**< [slabs] pixels with layers between the planes g - 1 and g */
   chi_rect layers_beyond;          /**< pixels with layers behind the last plane */
+
+  const chi_plan_cut* cut; /**< NULL: nothing is cut */
 } chi_occlusion_plan;
 
 /** Samples of one slab: rays, and the light planes that they read. */

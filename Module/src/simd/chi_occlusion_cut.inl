@@ -23,7 +23,7 @@ CHI_INLINE vf plane_value(const float plane[4], const vf p[3])
 }
 
 /* Region of a point: one count of planes a pair, base 3. */
-CHI_INLINE vi cut_region(const chi_cut* cut, const vf p[3])
+CHI_INLINE vi cut_region(const chi_plan_cut* cut, const vf p[3])
 {
   vi region = vi_set(0);
   for (int k = 0; k < 6; ++k)
@@ -35,7 +35,7 @@ CHI_INLINE vi cut_region(const chi_cut* cut, const vf p[3])
 }
 
 /* Cells of a grid that points lie in; its index is returned. */
-CHI_INLINE vi cut_cell(const chi_keep_grid* grid, const vf p[3], vi cell[3])
+CHI_INLINE vi cut_cell(const chi_plan_grid* grid, const vf p[3], vi cell[3])
 {
   for (int a = 0; a < 3; ++a)
   {
@@ -46,7 +46,7 @@ CHI_INLINE vi cut_cell(const chi_keep_grid* grid, const vf p[3], vi cell[3])
 }
 
 /* Where the line crosses planes, within [low, high]; elsewhere one of these. */
-CHI_INLINE int cross_regions(const chi_cut* cut, const cut_line* line, vf low, vf high, vf* t)
+CHI_INLINE int cross_regions(const chi_plan_cut* cut, const cut_line* line, vf low, vf high, vf* t)
 {
   for (int k = 0; k < 6; ++k)
   {
@@ -61,7 +61,7 @@ CHI_INLINE int cross_regions(const chi_cut* cut, const cut_line* line, vf low, v
 
 /* The same of the faces between cells: of every axis the last face, and, where the line is longer
  * than a cell, the first; it crosses no others if it is no longer than two. */
-CHI_INLINE int cross_cells(const chi_keep_grid* grid, const cut_line* line, vf low, vf high, vf* t)
+CHI_INLINE int cross_cells(const chi_plan_grid* grid, const cut_line* line, vf low, vf high, vf* t)
 {
   vf first[3];
   vi near[3], far[3];
@@ -85,9 +85,9 @@ CHI_INLINE int cross_cells(const chi_keep_grid* grid, const cut_line* line, vf l
   return count;
 }
 
-CHI_INLINE vi is_kept(const chi_cut* cut, int grids, const vf p[3], vi mask)
+CHI_INLINE vi is_kept(const chi_plan_cut* cut, int grids, const vf p[3], vi mask)
 {
-  if (cut->regions != 0x7ffffff)
+  if (cut->regions != CHI_CROP_ALL_REGIONS)
   {
     const vi region = cut_region(cut, p);
     mask &= ((vi)((vu)vi_set((int32_t)cut->regions) >> (vu)region) & 1) != 0;
@@ -103,10 +103,10 @@ CHI_INLINE vi is_kept(const chi_cut* cut, int grids, const vf p[3], vi mask)
 }
 
 /* Whether a line between two points may cross a cut. */
-CHI_INLINE vi may_cross(const chi_cut* cut, int grids, const vf p[3], const vf q[3])
+CHI_INLINE vi may_cross(const chi_plan_cut* cut, int grids, const vf p[3], const vf q[3])
 {
   vi differ = vi_set(0);
-  if (cut->regions != 0x7ffffff)
+  if (cut->regions != CHI_CROP_ALL_REGIONS)
   {
     differ |= cut_region(cut, p) != cut_region(cut, q);
   }
@@ -120,16 +120,17 @@ CHI_INLINE vi may_cross(const chi_cut* cut, int grids, const vf p[3], const vf q
 
 enum
 {
-  MAX_CROSSINGS = 6 + 6 * CHI_KEEP_GRIDS
+  MAX_CROSSINGS = 6 + 6 * CHI_PLAN_GRIDS
 };
 
 /* Part a segment where it crosses cuts, and add up what is left; its last part without a gap is run
  * ... stop. */
-CHI_INLINE void cut_segment(const chi_cut* cut, int grids, const cut_line* line, vf begin, vf start,
-  vf end, vf* length, vf* run, vf* stop, vi* before)
+CHI_INLINE void cut_segment(const chi_plan_cut* cut, int grids, const cut_line* line, vf begin,
+  vf start, vf end, vf* length, vf* run, vf* stop, vi* before)
 {
   vf t[MAX_CROSSINGS + 2];
-  int count = cut->regions != 0x7ffffff ? cross_regions(cut, line, begin, end, t + 1) : 0;
+  int count =
+    cut->regions != CHI_CROP_ALL_REGIONS ? cross_regions(cut, line, begin, end, t + 1) : 0;
   for (int k = 0; k < grids; ++k)
   {
     count += cross_cells(cut->grid + k, line, begin, end, t + 1 + count);
@@ -172,8 +173,8 @@ CHI_INLINE void cut_segment(const chi_cut* cut, int grids, const cut_line* line,
 CHI_INLINE void cut_piece(chi_sample_row* row, sample_piece* piece, int x_begin, int count)
 {
   const chi_sample_frame* const s = row->frame;
-  const chi_cut* const cut = &s->cut;
-  const vf zero = vf_set(0.0f), one = vf_set(1.0f), ahead = vf_set(-1.0f / 64);
+  const chi_plan_cut* const cut = &s->cut;
+  const vf zero = vf_set(0.0f), one = vf_set(1.0f), ahead = vf_set(-cut->ahead);
   for (int i = 0; i < count; i += CHI_LANES)
   {
     const int x = x_begin + i;

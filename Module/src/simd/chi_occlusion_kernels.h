@@ -43,31 +43,6 @@ typedef struct chi_sigma_entry
   float pad;
 } chi_sigma_entry;
 
-/* One bit a cell: what lies in it stays. Cell (i, j, k) holds the index positions that are (i, j,
- * k) after adding `offset` and rounding down. */
-typedef struct chi_keep_grid
-{
-  const uint32_t* bits; /* cell n = i + step_y j + step_z k: bit n & 31 of word n >> 5 */
-  int32_t step_y, step_z;
-  int32_t last[3];
-  float offset; /* 0.5: voxels about samples; 0: cells between them */
-} chi_keep_grid;
-
-enum
-{
-  CHI_KEEP_GRIDS = 2
-};
-
-/* What is left of the volume, besides box and clip planes. */
-typedef struct chi_cut
-{
-  int grids; /* a point must stay in all of them */
-  chi_keep_grid grid[CHI_KEEP_GRIDS];
-  const uint8_t* whole; /* [bricks]: nothing is masked within a step of the brick */
-  uint32_t regions;     /* that stay, bit x + 3 y + 9 z; 0x7ffffff: all */
-  float plane[6][4];    /* index space: low x, high x, low y, ... */
-} chi_cut;
-
 /* The interval from one entry to the next: extinction-weighted colour, so that its integral from 0
  * to i + f is quantum * sum + rgb * f * (sigma + f * half_slope). */
 typedef struct chi_color_entry
@@ -123,7 +98,7 @@ typedef struct chi_sample_frame
   float quantum;
   const uint8_t* occupied; /* bricks of 8^3 cells, padded by four bytes */
   int32_t brick_step_y, brick_step_z;
-  chi_cut cut;
+  chi_plan_cut cut;
   float slice;                           /* world distance between slices */
   float saturated;                       /* transmittance below which a ray is done */
   const chi_plan_shading* shade;         /* NULL: no gradients are needed; else `general` is set */
