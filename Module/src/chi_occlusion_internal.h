@@ -22,8 +22,9 @@
 /* Scratch that grows and is kept: per-frame calls allocate only where a scene outgrows the last. */
 typedef struct chi_buffer
 {
-  void* data;
+  void* data; /* at the start of a cache line: a vector of 64 bytes touches one, not two */
   size_t bytes;
+  void* block; /* as allocated, up to a line more */
 } chi_buffer;
 
 /* 0 when refused; the old contents are lost when it grows. */

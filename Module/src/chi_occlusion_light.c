@@ -31,16 +31,6 @@ static int state_of_source(
   return state;
 }
 
-static int is_dark(const float* seen, float below)
-{
-  int dark = 1;
-  for (int i = 0; i < CHI_SEGMENT; ++i)
-  {
-    dark &= seen[i] < below;
-  }
-  return dark;
-}
-
 static void fill_tile(float* out, size_t stride, int planes, int state)
 {
   for (int d = 0; d < planes; ++d, out += stride)
@@ -135,11 +125,12 @@ static void light_piece(march* m, chi_light_field* f, float factor, int64_t slab
     .length = length,
     .length_x = length_x,
     .geometry = blocked ? geometry : NULL,
-    .visibility = seen };
-  (s->published ? m->kernels->blur : m->kernels->light)(&segment);
+    .visibility = seen,
+    .dark_below = m->dark_below };
+  const int dark = (s->published ? m->kernels->blur : m->kernels->light)(&segment);
   repeat_ends(m, k, seen);
   *target_tile = *seen_tile = TILE_MIXED;
-  if (skips && is_dark(seen, m->dark_below))
+  if (skips && dark)
   {
     fill_tile(target, m->light_stride, planes, TILE_DARK);
     *target_tile = TILE_DARK;

@@ -9,6 +9,11 @@
 #include <math.h>
 #include <string.h>
 
+enum
+{
+  LINE = 16 /* floats of a cache line */
+};
+
 static size_t round_up(size_t x, size_t to)
 {
   return (x + to - 1) / to * to;
@@ -403,8 +408,9 @@ static void plan_layout(march* m)
   m->blocks = (s->slabs + m->block - 1) / m->block;
   m->bands = (s->light_height + m->skew * (m->block - 1) - 1) / BAND + 1;
   m->lag = (m->skew * m->block + BAND - 1) / BAND;
-  const size_t pad_x = (size_t)columns + 2, pad_y = (size_t)rows + 2;
-  m->light_stride = round_up(round_up((size_t)s->light_width, CHI_SEGMENT) + 2 * pad_x, 16) + 16;
+  /* whole cache lines before a row's first pixel: pieces begin with a line */
+  const size_t pad_x = round_up((size_t)columns + 2, LINE), pad_y = (size_t)rows + 2;
+  m->light_stride = round_up((size_t)s->light_width, CHI_SEGMENT) + 2 * pad_x + LINE;
   m->light_plane = ((size_t)s->light_height + 2 * pad_y) * m->light_stride;
   m->visibility_origin = pad_y * m->light_stride + pad_x;
   m->light_row = m->light_stride * (s->published ? 1 : (size_t)s->directions);

@@ -3,6 +3,7 @@
 #include "chi_occlusion_internal.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <string.h>
 
 /* Samples beyond a brick whose values count as its own: one slice's step of up to two voxels from a
@@ -10,7 +11,8 @@
 enum
 {
   BRICK = 8,
-  MARGIN = 2
+  MARGIN = 2,
+  SLACK = 63 /* bytes: a cache line less one */
 };
 
 int chi_buffer_reserve(const chi_exec* exec, chi_buffer* buffer, size_t count, size_t size)
@@ -25,19 +27,27 @@ int chi_buffer_reserve(const chi_exec* exec, chi_buffer* buffer, size_t count, s
     return 1;
   }
   chi_buffer_free(exec, buffer);
-  buffer->data = chi_alloc(exec, bytes, 1);
-  buffer->bytes = buffer->data ? bytes : 0;
-  return buffer->data != NULL;
+  if (bytes > SIZE_MAX - SLACK)
+  {
+    return 0;
+  }
+  buffer->block = chi_alloc(exec, bytes + SLACK, 1);
+  if (!buffer->block)
+  {
+    return 0;
+  }
+  buffer->data = (char*)buffer->block + (-(uintptr_t)buffer->block & SLACK);
+  buffer->bytes = bytes;
+  return 1;
 }
 
 void chi_buffer_free(const chi_exec* exec, chi_buffer* buffer)
 {
   if (buffer->data)
   {
-    chi_free(exec, buffer->data, buffer->bytes, 1);
+    chi_free(exec, buffer->block, buffer->bytes + SLACK, 1);
   }
-  buffer->data = NULL;
-  buffer->bytes = 0;
+  memset(buffer, 0, sizeof *buffer);
 }
 
 typedef struct brick_job

@@ -162,6 +162,7 @@ typedef struct chi_light_segment
   const float* length_x; /* its change a pixel */
   const float* geometry; /* transmittance of the geometry in this slab; NULL: 1 */
   float* visibility;
+  float dark_below;
 } chi_light_segment;
 
 typedef struct chi_occlusion_kernels
@@ -169,8 +170,9 @@ typedef struct chi_occlusion_kernels
   const char* name;
   int lanes;
   void (*sample)(chi_sample_row* row, int x_begin, int x_end);
-  void (*light)(const chi_light_segment* segment);
-  void (*blur)(const chi_light_segment* segment);
+  /* Non-zero: all of the visibility is below dark_below. */
+  int (*light)(const chi_light_segment* segment);
+  int (*blur)(const chi_light_segment* segment);
   void (*halve)(
     const float* const tau[2], const float* const before[2], float length, float* out, int count);
   void (*path_lengths)(const float* slope_x, const float* slope_y, int directions, float px,
