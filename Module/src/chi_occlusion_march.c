@@ -107,7 +107,7 @@ static void update_live(march* m, int64_t block, int band, int64_t slab, int64_t
       const int x0 = cx * CHI_CELL_WIDTH;
       const int x1 = x0 + CHI_CELL_WIDTH < s->width ? x0 + CHI_CELL_WIDTH : s->width;
       int any = 0, hidden = 0;
-      for (int x = x0; x < x1 && row[cx] == RAYS_LIVE; ++x)
+      for (int x = x0; x < x1 && row[cx] == RAYS_LIVE && !any; ++x)
       {
         const int clear = transmittance[x] > m->sample.saturated;
         const int front = !surface || surface[x] > now;

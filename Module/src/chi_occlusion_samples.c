@@ -119,6 +119,13 @@ static void find_crossings(
   }
 }
 
+/* Light pixels of a cell: a scale of 1 or 2 makes of it one segment of them or half a one. */
+static inline int segment_of_cell(const chi_scene* s, int cell)
+{
+  _Static_assert(CHI_CELL_WIDTH % CHI_SEGMENT == 0, "a cell is whole segments of pixels");
+  return cell * (CHI_CELL_WIDTH / CHI_SEGMENT) >> (s->scale - 1);
+}
+
 void chi_march_sample_row(march* m, int64_t slab, int64_t y, int band, chi_sample_row* row)
 {
   const chi_scene* const s = m->scene;
@@ -138,10 +145,10 @@ void chi_march_sample_row(march* m, int64_t slab, int64_t y, int band, chi_sampl
   for (int64_t i = 0; i < s->group; ++i)
   {
     const int64_t segment = slab * s->group + i;
-    set_row(m, row, y, segment);
+    int is_set = 0;
     for (int cx = 0; cx < m->cells_x;)
     {
-      const int light = need[cx * CHI_CELL_WIDTH / s->scale / CHI_SEGMENT];
+      const int light = need[segment_of_cell(s, cx)];
       if (cells[cx] == CELL_EMPTY || !(light || live[cx] == RAYS_LIVE))
       {
         if (cells[cx] != CELL_EMPTY)
@@ -152,12 +159,16 @@ void chi_march_sample_row(march* m, int64_t slab, int64_t y, int band, chi_sampl
         ++cx;
         continue;
       }
+      if (!is_set)
+      {
+        set_row(m, row, y, segment);
+        is_set = 1;
+      }
       /* A run of cells that are alike. */
       const int restart = sampled[cx] != segment - 1;
       int end = cx;
       while (end < m->cells_x && cells[end] == cells[cx] && live[end] == live[cx] &&
-        (sampled[end] != segment - 1) == restart &&
-        need[end * CHI_CELL_WIDTH / s->scale / CHI_SEGMENT] == light)
+        (sampled[end] != segment - 1) == restart && need[segment_of_cell(s, end)] == light)
       {
         sampled[end++] = segment;
       }
@@ -203,7 +214,7 @@ void chi_march_sample_row(march* m, int64_t slab, int64_t y, int band, chi_sampl
       {
         for (int k = cx; k < end; ++k)
         {
-          flags[k * CHI_CELL_WIDTH / s->scale / CHI_SEGMENT] = 1;
+          flags[segment_of_cell(s, k)] = 1;
         }
       }
       cx = end;

@@ -7,6 +7,17 @@
 
 #include <math.h>
 
+/* As fmax and fmin, NaN in b included, without a call. */
+static inline double greater(double a, double b)
+{
+  return b > a ? b : a;
+}
+
+static inline double lesser(double a, double b)
+{
+  return b < a ? b : a;
+}
+
 /* Where the rays of one row of pixels enter and leave the volume's box, less what the clip planes
  * cut away, in slices. */
 static void intersect_box(const march* m, int64_t y)
@@ -32,16 +43,16 @@ static void intersect_box(const march* m, int64_t y)
         continue;
       }
       const double t0 = (s->box_low[a] - p[a]) / q[a], t1 = (s->box_high[a] - p[a]) / q[a];
-      from = fmax(from, fmin(t0, t1));
-      to = fmin(to, fmax(t0, t1));
+      from = greater(from, lesser(t0, t1));
+      to = lesser(to, greater(t0, t1));
     }
     for (int k = 0; k < s->clips; ++k)
     {
       const double* const c = s->clip[k];
       const double value = c[0] * p[0] + c[1] * p[1] + c[2] * p[2] + c[3];
       const double change = c[0] * q[0] + c[1] * q[1] + c[2] * q[2];
-      from = change > 0 ? fmax(from, -value / change) : from;
-      to = change < 0 ? fmin(to, -value / change) : change == 0 && value < 0 ? from : to;
+      from = change > 0 ? greater(from, -value / change) : from;
+      to = change < 0 ? lesser(to, -value / change) : change == 0 && value < 0 ? from : to;
     }
     const int hit = from < to && x < (size_t)s->width;
     enter[x] = hit ? (float)from : INFINITY;
@@ -68,8 +79,8 @@ static int64_t count_inside(const march* m, int cx, int cy, double first, double
     const float* const leave = picture(m, LEAVE, y);
     for (int x = cx * CHI_CELL_WIDTH; x < (cx + 1) * CHI_CELL_WIDTH && x < m->scene->width; ++x)
     {
-      const double from = floor(fmax((double)enter[x], first));
-      const double to = ceil(fmin((double)leave[x], last));
+      const double from = floor(greater((double)enter[x], first));
+      const double to = ceil(lesser((double)leave[x], last));
       count += to > from ? (int64_t)(to - from) : 0;
     }
   }
@@ -120,8 +131,8 @@ static uint8_t classify_cell(march* m, int64_t block, int cx, int cy)
       const double depth = z[corner >> 2];
       const double across = x[corner & 1] * s->along_x[a] + y[corner >> 1 & 1] * s->along_y[a];
       p[corner][a] = s->origin[a] + depth * s->axis[a] + (s->parallel ? 1 : depth) * across;
-      low[a] = fmin(low[a], p[corner][a]);
-      high[a] = fmax(high[a], p[corner][a]);
+      low[a] = lesser(low[a], p[corner][a]);
+      high[a] = greater(high[a], p[corner][a]);
     }
     if (!(high[a] >= s->box_low[a] && low[a] <= s->box_high[a]))
     {
@@ -136,8 +147,8 @@ static uint8_t classify_cell(march* m, int64_t block, int cx, int cy)
     for (int corner = 0; corner < 8; ++corner)
     {
       const double value = c[0] * p[corner][0] + c[1] * p[corner][1] + c[2] * p[corner][2] + c[3];
-      least = fmin(least, value);
-      most = fmax(most, value);
+      least = lesser(least, value);
+      most = greater(most, value);
     }
     if (most < 0)
     {

@@ -23,20 +23,46 @@ CHI_INLINE void split_pair(vi word, int fetch, vf* a, vf* b)
   }
 }
 
-CHI_INLINE vi gather_samples(const chi_sample_frame* s, vi index, int fetch, vi mask)
+/* Four bytes that begin with a sample. At the last samples they would leave the array: there,
+ * `guarded`, load earlier and shift. */
+CHI_INLINE vi gather_words(
+  const chi_sample_frame* s, vi index, const int fetch, const int guarded, vi mask)
 {
   if (fetch == CHI_FETCH_F32)
   {
     return vi_gather(s->scalars, index, 4, mask);
   }
-  /* A four-byte load at the last samples would leave the array: load earlier and shift. */
   const int scale = fetch == CHI_FETCH_U8 ? 1 : 2;
-  const vi last = vi_set(s->last_load);
-  const vi beyond = index > last;
-  const vi at = (beyond & last) | (~beyond & index);
+  const vi at = guarded ? vi_min(index, vi_set(s->last_load)) : index;
   const vi word =
     fetch == CHI_FETCH_U8 ? vi_gather(s->scalars, at, 1, mask) : vi_gather(s->scalars, at, 2, mask);
-  return (vi)((vu)word >> (vu)((index - at) * (8 * scale)));
+  return guarded ? (vi)((vu)word >> (vu)((index - at) * (8 * scale))) : word;
+}
+
+CHI_INLINE vi gather_samples(const chi_sample_frame* s, vi index, const int fetch, vi mask)
+{
+  return gather_words(s, index, fetch, 1, mask);
+}
+
+/* Scalars at the place f along x of four lines of cells. */
+CHI_INLINE void fetch_lines(const chi_sample_frame* s, vi index, vf f, const int fetch,
+  const int guarded, vi mask, vf line[4])
+{
+  for (int c = 0; c < 4; ++c)
+  {
+    const vi at = index + ((c & 1 ? s->step_y : 0) + (c & 2 ? s->step_z : 0));
+    vf a, b;
+    if (fetch == CHI_FETCH_F32)
+    {
+      a = (vf)gather_words(s, at, fetch, guarded, mask);
+      b = (vf)gather_words(s, at + s->step_x, fetch, guarded, mask);
+    }
+    else
+    {
+      split_pair(gather_words(s, at, fetch, guarded, mask), fetch, &a, &b);
+    }
+    line[c] = a + f * (b - a);
+  }
 }
 
 /* Trilinear (or nearest) scalar at an index position that lies inside the grid. */
@@ -64,28 +90,18 @@ CHI_INLINE vf fetch_scalar(
   vf f[3];
   for (int a = 0; a < 3; ++a)
   {
-    const vi last = vi_set(s->last_cell[a]);
-    i[a] = vf_int(p[a]);
-    const vi beyond = i[a] > last;
-    i[a] = (beyond & last) | (~beyond & i[a]);
+    i[a] = vi_min(vf_int(p[a]), vi_set(s->last_cell[a]));
     f[a] = p[a] - vi_float(i[a]);
   }
   const vi index = i[0] * s->step_x + i[1] * s->step_y + i[2] * s->step_z;
   vf line[4];
-  for (int c = 0; c < 4; ++c)
+  if (fetch != CHI_FETCH_F32 && vi_any(index > vi_set(s->last_load - s->step_y - s->step_z)))
   {
-    const vi at = index + ((c & 1 ? s->step_y : 0) + (c & 2 ? s->step_z : 0));
-    vf a, b;
-    if (fetch == CHI_FETCH_F32)
-    {
-      a = (vf)gather_samples(s, at, fetch, mask);
-      b = (vf)gather_samples(s, at + s->step_x, fetch, mask);
-    }
-    else
-    {
-      split_pair(gather_samples(s, at, fetch, mask), fetch, &a, &b);
-    }
-    line[c] = a + f[0] * (b - a);
+    fetch_lines(s, index, f[0], fetch, 1, mask, line);
+  }
+  else
+  {
+    fetch_lines(s, index, f[0], fetch, 0, mask, line);
   }
   const vf low = line[0] + f[1] * (line[1] - line[0]);
   const vf high = line[2] + f[1] * (line[3] - line[2]);
@@ -238,11 +254,10 @@ CHI_INLINE void fetch_piece(chi_sample_row* row, sample_piece* piece, int x_begi
     }
     const vf scalar = fetch_scalar(s, p, fetch, nearest, want);
     /* x - x is 0 for every finite x: NaN and infinite samples are transparent. */
-    const vi finite = (scalar - scalar == 0.0f) & want;
+    const vi finite = fetch == CHI_FETCH_F32 ? (scalar - scalar == 0.0f) & want : want;
     vf t = (scalar - s->base) * s->scale + s->offset;
     t = vf_min(vf_max(t, vf_set(0.0f)), end);
-    vi entry = vf_int(t);
-    entry -= (entry >= last_entry) & 1; /* the last entry has no interval after it */
+    vi entry = vi_min(vf_int(t), last_entry - 1); /* the last entry has no interval after it */
     if (s->labels)
     {
       const vi first = choose_table(row, piece, p, x, i, want);

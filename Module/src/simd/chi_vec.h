@@ -116,6 +116,18 @@ CHI_INLINE vf vf_min(vf a, vf b)
 #endif
 }
 
+CHI_INLINE vi vi_min(vi a, vi b)
+{
+#ifdef CHI_VEC_AVX512
+  return (vi)_mm512_min_epi32((__m512i)a, (__m512i)b);
+#elif defined(CHI_VEC_AVX2)
+  return (vi)_mm256_min_epi32((__m256i)a, (__m256i)b);
+#else
+  const vi less = a < b;
+  return (less & a) | (~less & b);
+#endif
+}
+
 CHI_INLINE int vi_any(vi mask)
 {
 #ifdef CHI_VEC_AVX512
@@ -208,8 +220,7 @@ CHI_INLINE vf vf_exp_neg(vf x)
   p = p * f + 2.4022651e-1f;
   p = p * f + 6.9314718e-1f;
   p = p * f + 1.0f;
-  const vi n = ((vi)shifted - (vi)magic) << 23;
-  return (vf)((vi)p + n);
+  return (vf)((vi)p + ((vi)shifted << 23)); /* which shifts all bits of magic out */
 }
 
 /*
