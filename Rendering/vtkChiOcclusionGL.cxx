@@ -26,7 +26,7 @@ constexpr int CHECK = 8; // slabs from one look at what is still alive to the ne
 // CHI_FEATURE_... that the shaders do.
 constexpr std::uint64_t KNOWN = CHI_FEATURE_REDUCTION | CHI_FEATURE_COLORED | CHI_FEATURE_SHADING |
   CHI_FEATURE_GRADIENT_OPACITY | CHI_FEATURE_TRANSFER_PLANE | CHI_FEATURE_EDGES |
-  CHI_FEATURE_LAYERS | CHI_FEATURE_CROP;
+  CHI_FEATURE_LAYERS | CHI_FEATURE_CROP | CHI_FEATURE_PUBLISHED;
 }
 
 //------------------------------------------------------------------------------
@@ -177,7 +177,9 @@ bool vtkChiOcclusionGL::Allocate(const chi_occlusion_plan& plan, bool half)
   {
     this->Reserve(texture, plan.width, plan.height, colors, false);
   }
-  const std::size_t textures = static_cast<std::size_t>((plan.directions - 1) / FOUR + 1);
+  const std::size_t textures =
+    static_cast<std::size_t>(plan.published ? 1 : (plan.directions - 1) / FOUR + 1);
+  const int parts = plan.published ? 1 : FOUR;
   for (int i = 0; i < 2; ++i)
   {
     const bool used = plan.fields > i;
@@ -186,8 +188,8 @@ bool vtkChiOcclusionGL::Allocate(const chi_occlusion_plan& plan, bool half)
     for (int channel = 0; channel < 3; ++channel)
     {
       const std::size_t count = used && channel < plan.channels ? textures : 0;
-      this->Reserve(this->Fields[i].Light[channel][0], count, plan, 4);
-      this->Reserve(this->Fields[i].Light[channel][1], count, plan, 4);
+      this->Reserve(this->Fields[i].Light[channel][0], count, plan, parts);
+      this->Reserve(this->Fields[i].Light[channel][1], count, plan, parts);
     }
     this->Reserve(
       this->Fields[i].Ring, used ? static_cast<std::size_t>(plan.ring) : 0, plan, colors);
@@ -317,7 +319,8 @@ std::int64_t vtkChiOcclusionGL::DrawSlabs(const chi_occlusion_plan& plan)
       for (int channel = 0; channel < plan.channels && blocked && !isEmpty(plan.light[slab]);
            ++channel)
       {
-        this->DrawLight(plan, field, channel, slab);
+        plan.published ? this->DrawBlur(plan, field, channel, slab)
+                       : this->DrawLight(plan, field, channel, slab);
       }
     }
     if (lit && plan.surface && !isEmpty(plan.receivers[slab]))

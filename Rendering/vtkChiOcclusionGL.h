@@ -61,7 +61,7 @@ private:
   // Light for one kind of receiver.
   struct Field
   {
-    TextureList Light[3][2]; // of each channel; four directions a texture
+    TextureList Light[3][2]; // of each channel; four directions a texture, or one for all
     TextureList Ring;        // visibility of the last slabs
 
     std::array<TextureList*, 7> GetLists()
@@ -84,6 +84,12 @@ private:
   static std::string DefineCuts(const chi_occlusion_plan& plan);
   void SetCuts(vtkShaderProgram* program, const chi_occlusion_plan& plan);
   void DrawLight(const chi_occlusion_plan& plan, int field, int channel, std::int64_t slab);
+  void DrawBlur(const chi_occlusion_plan& plan, int field, int channel, std::int64_t slab);
+  bool IsAttenuated(
+    const chi_occlusion_plan& plan, int field, int channel, std::int64_t slab) const;
+  bool IsBlocked(const chi_occlusion_plan& plan, int field, std::int64_t slab) const;
+  void SetObstacles(vtkShaderProgram* program, const chi_occlusion_plan& plan, int field,
+    int channel, std::int64_t slab);
   void DrawReceivers(const chi_occlusion_plan& plan, std::int64_t slab, bool layers);
   void DrawBeyond(const chi_occlusion_plan& plan, bool layers);
   std::string DefineReceivers(const chi_occlusion_plan& plan, bool layers) const;

@@ -3,8 +3,10 @@
 // The OpenGL engine's light: its way through the slabs, and what surfaces take of it.
 #include "vtkChiOcclusionGL.h"
 
+#include "vtkChiOcclusionBlurFS.h"
 #include "vtkChiOcclusionGLTools.h"
 #include "vtkChiOcclusionLightFS.h"
+#include "vtkChiOcclusionLightFunctions.h"
 #include "vtkChiOcclusionReceiveFS.h"
 #include "vtkChiOcclusionVicinityFS.h"
 
@@ -18,9 +20,31 @@ using namespace vtkChiOcclusionGLTools;
 
 namespace
 {
+// How the light of `count` directions moves into a slab; those that are not there weigh nothing.
+void setShifts(vtkShaderProgram* program, const chi_occlusion_plan& plan, std::int64_t slab,
+  int first, int count)
+{
+  float shift[CHI_PLAN_DIRECTIONS][2] = {};
+  float weight[CHI_PLAN_DIRECTIONS][4] = {};
+  for (int k = 0; k < count && first + k < plan.directions; ++k)
+  {
+    const chi_plan_shift& step = plan.shift[slab * plan.directions + first + k];
+    shift[k][0] = static_cast<float>(step.x);
+    shift[k][1] = static_cast<float>(step.y);
+    std::copy(step.weight, step.weight + 4, weight[k]);
+  }
+  program->SetUniform2fv("shift", count, shift);
+  program->SetUniform4fv("shiftWeight", count, weight);
+}
+
 // Slopes and weights of a batch of directions; 0 for those that are not there.
 void setDirections(vtkShaderProgram* program, const chi_occlusion_plan& plan, int batch)
 {
+  if (plan.published)
+  {
+    program->SetUniform2fv("direction", plan.directions, plan.direction);
+    return;
+  }
   float direction[BATCH][2] = {};
   float share[BATCH] = {};
   for (int k = 0; k < BATCH && batch * BATCH + k < plan.directions; ++k)
@@ -34,11 +58,6 @@ void setDirections(vtkShaderProgram* program, const chi_occlusion_plan& plan, in
   program->SetUniform4fv("share", BATCH / FOUR, share);
 }
 
-int targetsOf(const chi_occlusion_plan& plan, int batch)
-{
-  return (std::min(plan.directions - batch * BATCH, BATCH) - 1) / FOUR + 1;
-}
-
 // The colours that a channel's light is for.
 void setColors(vtkShaderProgram* program, const chi_occlusion_plan& plan, int channel)
 {
@@ -50,8 +69,96 @@ void setColors(vtkShaderProgram* program, const chi_occlusion_plan& plan, int ch
   program->SetUniform3f("colors", colors);
 }
 
+// Shaders with what they call; one string each, by which programs are found again.
+std::string withFunctions(const char* shader)
+{
+  std::string source = shader;
+  vtkShaderProgram::Substitute(source, "//CHI::Functions::Dec", vtkChiOcclusionLightFunctions);
+  return source;
+}
+
+const char* lightShader()
+{
+  static const std::string whole = withFunctions(vtkChiOcclusionLightFS);
+  return whole.c_str();
+}
+
+const char* blurShader()
+{
+  static const std::string whole = withFunctions(vtkChiOcclusionBlurFS);
+  return whole.c_str();
+}
+
 const char* const lightNames[] = { "lightTexture0", "lightTexture1", "lightTexture2",
   "lightTexture3" };
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiOcclusionGL::IsAttenuated(
+  const chi_occlusion_plan& plan, int field, int channel, std::int64_t slab) const
+{
+  return plan.field[field].volume && plan.channel[channel].attenuation > 0.0f &&
+    !isEmpty(plan.samples[slab]);
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiOcclusionGL::IsBlocked(
+  const chi_occlusion_plan& plan, int field, std::int64_t slab) const
+{
+  return plan.surface && plan.field[field].geometry && !isEmpty(plan.blockers[slab]);
+}
+
+//------------------------------------------------------------------------------
+// What stands in light's way through a slab.
+void vtkChiOcclusionGL::SetObstacles(vtkShaderProgram* program, const chi_occlusion_plan& plan,
+  int field, int channel, std::int64_t slab)
+{
+  const double scale = plan.light_scale;
+  if (this->IsAttenuated(plan, field, channel, slab))
+  {
+    this->Pass.Read("tauTexture", this->Tau[slab & 1]);
+    this->Pass.Read("tauBeforeTexture", this->Tau[(slab & 1) ^ 1]);
+    // of the middle of light pixel (0, 0)
+    setUniform(program, "raySlope",
+      { plan.slope_x + 0.5 * (scale - 1.0) * plan.slope_dx,
+        plan.slope_y + 0.5 * (scale - 1.0) * plan.slope_dy });
+    setUniform(program, "raySlopeStep", { scale * plan.slope_dx, scale * plan.slope_dy });
+    program->SetUniformf("attenuation", plan.channel[channel].attenuation);
+    program->SetUniformf("meanLength", plan.channel[channel].mean_length);
+    program->SetUniformf("thin", plan.channel[channel].thin);
+  }
+  if (this->IsBlocked(plan, field, slab))
+  {
+    this->Pass.Read("surfaceTexture", this->Inputs.GetSurface());
+    this->Pass.Read("surfaceMoreTexture", this->Inputs.GetSurfaceMore());
+    program->SetUniformf("slab", static_cast<float>(slab));
+  }
+}
+
+//------------------------------------------------------------------------------
+// The published rule.
+void vtkChiOcclusionGL::DrawBlur(
+  const chi_occlusion_plan& plan, int field, int channel, std::int64_t slab)
+{
+  Field& light = this->Fields[field];
+  vtkShaderProgram* program = this->Pass.Use(blurShader(),
+    define("TAPS", plan.directions) +
+      define("HAS_TAU", this->IsAttenuated(plan, field, channel, slab)) +
+      define("HAS_GEOMETRY", this->IsBlocked(plan, field, slab)) +
+      define("COLORED", isColored(plan)) + define("LIGHT_SCALE", plan.light_scale));
+  if (!program)
+  {
+    return;
+  }
+  this->Pass.Read(lightNames[0], light.Light[channel][slab & 1][0]);
+  setShifts(program, plan, slab, 0, plan.directions);
+  program->SetUniform2f("path", plan.path);
+  this->SetObstacles(program, plan, field, channel, slab);
+  setColors(program, plan, channel);
+  this->Pass.Draw({ this->Plane(plan, field, slab), light.Light[channel][(slab & 1) ^ 1][0].Get() },
+    plan.light[slab],
+    isColored(plan) && channel > 0 ? vtkChiQuadPass::ADD : vtkChiQuadPass::REPLACE);
+  this->LightUpdates += areaOf(plan.light[slab]) * plan.directions;
 }
 
 //------------------------------------------------------------------------------
@@ -61,17 +168,14 @@ void vtkChiOcclusionGL::DrawLight(
   Field& light = this->Fields[field];
   const TextureList& from = light.Light[channel][slab & 1];
   const TextureList& to = light.Light[channel][(slab & 1) ^ 1];
-  const chi_plan_channel& attenuated = plan.channel[channel];
-  const bool tau =
-    plan.field[field].volume && attenuated.attenuation > 0.0f && !isEmpty(plan.samples[slab]);
-  const bool geometry = plan.surface && plan.field[field].geometry && !isEmpty(plan.blockers[slab]);
   const int batches = batchesOf(plan);
-  const double scale = plan.light_scale;
   for (int batch = 0; batch < batches; ++batch)
   {
     const int targets = targetsOf(plan, batch);
-    vtkShaderProgram* program = this->Pass.Use(vtkChiOcclusionLightFS,
-      define("TARGETS", targets) + define("HAS_TAU", tau) + define("HAS_GEOMETRY", geometry) +
+    vtkShaderProgram* program = this->Pass.Use(lightShader(),
+      define("TARGETS", targets) +
+        define("HAS_TAU", this->IsAttenuated(plan, field, channel, slab)) +
+        define("HAS_GEOMETRY", this->IsBlocked(plan, field, slab)) +
         define("CONTINUES", batch > 0) +
         define("COLORED", isColored(plan) && batch == batches - 1) +
         define("LIGHT_SCALE", plan.light_scale));
@@ -87,37 +191,9 @@ void vtkChiOcclusionGL::DrawLight(
       this->Pass.Read(lightNames[k], from[i]);
       into.push_back(to[i]);
     }
-    float shift[BATCH][2] = {};
-    float weight[BATCH][4] = {};
-    for (int k = 0; k < BATCH && batch * BATCH + k < plan.directions; ++k)
-    {
-      const chi_plan_shift& step = plan.shift[slab * plan.directions + batch * BATCH + k];
-      shift[k][0] = static_cast<float>(step.x);
-      shift[k][1] = static_cast<float>(step.y);
-      std::copy(step.weight, step.weight + 4, weight[k]);
-    }
-    program->SetUniform2fv("shift", BATCH, shift);
-    program->SetUniform4fv("shiftWeight", BATCH, weight);
+    setShifts(program, plan, slab, batch * BATCH, BATCH);
     setDirections(program, plan, batch);
-    if (tau)
-    {
-      this->Pass.Read("tauTexture", this->Tau[slab & 1]);
-      this->Pass.Read("tauBeforeTexture", this->Tau[(slab & 1) ^ 1]);
-      // of the middle of light pixel (0, 0)
-      setUniform(program, "raySlope",
-        { plan.slope_x + 0.5 * (scale - 1.0) * plan.slope_dx,
-          plan.slope_y + 0.5 * (scale - 1.0) * plan.slope_dy });
-      setUniform(program, "raySlopeStep", { scale * plan.slope_dx, scale * plan.slope_dy });
-      program->SetUniformf("attenuation", attenuated.attenuation);
-      program->SetUniformf("meanLength", attenuated.mean_length);
-      program->SetUniformf("thin", attenuated.thin);
-    }
-    if (geometry)
-    {
-      this->Pass.Read("surfaceTexture", this->Inputs.GetSurface());
-      this->Pass.Read("surfaceMoreTexture", this->Inputs.GetSurfaceMore());
-      program->SetUniformf("slab", static_cast<float>(slab));
-    }
+    this->SetObstacles(program, plan, field, channel, slab);
     if (batch > 0)
     {
       this->Pass.Read("visibilityTexture", this->Partial[(batch & 1) ^ 1]);
@@ -138,7 +214,7 @@ void vtkChiOcclusionGL::DrawLight(
 std::string vtkChiOcclusionGL::DefineReceivers(const chi_occlusion_plan& plan, bool layers) const
 {
   return define("LIGHT_SCALE", plan.light_scale) + define("LAYERS", layers ? plan.layers : 0) +
-    defineLight(plan);
+    define("TAPS", plan.published ? plan.directions : 0) + defineLight(plan);
 }
 
 //------------------------------------------------------------------------------

@@ -17,9 +17,16 @@ namespace vtkChiOcclusionGLTools
 constexpr int FOUR = 4;   // directions a texture
 constexpr int BATCH = 16; // directions a pass
 
+// The published rule has one buffer for all of them.
 inline int batchesOf(const chi_occlusion_plan& plan)
 {
-  return (plan.directions - 1) / BATCH + 1;
+  return plan.published ? 1 : (plan.directions - 1) / BATCH + 1;
+}
+
+// Light textures of a batch.
+inline int targetsOf(const chi_occlusion_plan& plan, int batch)
+{
+  return plan.published ? 1 : (std::min(plan.directions - batch * BATCH, BATCH) - 1) / FOUR + 1;
 }
 
 inline bool isEmpty(const chi_rect& rect)

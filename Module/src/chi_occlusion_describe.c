@@ -176,6 +176,9 @@ static void describe_scene(chi_occlusion_plan* plan, const chi_scene* s)
   }
   plan->light_pixels[0] = s->pixels_x;
   plan->light_pixels[1] = s->pixels_y;
+  plan->published = s->published;
+  plan->path[0] = (float)s->light[0].slope[0];
+  plan->path[1] = (float)s->light[0].slope[1];
   plan->channels = s->channels;
   for (int c = 0; c < 3; ++c)
   {

@@ -130,7 +130,14 @@ static void light_piece(march* m, chi_light_field* f, float factor, int64_t slab
   const int dark = (s->published ? m->kernels->blur : m->kernels->light)(&segment);
   repeat_ends(m, k, seen);
   *target_tile = *seen_tile = TILE_MIXED;
-  if (skips && dark)
+  const int inside = s->light_width - x;
+  if (s->published && inside < CHI_SEGMENT)
+  {
+    /* Beyond the rim all light arrives. A blur would bring back what has left the picture there;
+     * the light of one direction does not turn round. */
+    chi_fill_ones(target + inside, CHI_SEGMENT - inside);
+  }
+  else if (skips && dark)
   {
     fill_tile(target, m->light_stride, planes, TILE_DARK);
     *target_tile = TILE_DARK;

@@ -26,8 +26,12 @@ uniform sampler2D lightTexture0;      // its border is light from outside: 1
 uniform sampler2D lightTexture1;
 uniform sampler2D lightTexture2;
 uniform sampler2D lightTexture3;
+#if TAPS > 0
+uniform vec2 direction[TAPS];
+#else
 uniform vec2 direction[16];
 uniform vec4 share[4];
+#endif
 uniform vec2 lightPixels; // light pixels a unit of shift
 uniform vec3 colors;      // 1: those that this light is for
 
@@ -42,12 +46,14 @@ vec4 tap(sampler2D from, vec2 at)
     mix(textureLod(from, vec2(a.x, b.y), 0.0), textureLod(from, b, 0.0), f.x), f.y);
 }
 
+#if TAPS == 0
 float four(sampler2D from, int k, vec2 at, vec2 unit)
 {
   return dot(share[k], vec4(tap(from, at + direction[4 * k] * unit).r,
     tap(from, at + direction[4 * k + 1] * unit).g, tap(from, at + direction[4 * k + 2] * unit).b,
     tap(from, at + direction[4 * k + 3] * unit).a));
 }
+#endif
 
 bool receives(float plane)
 {
@@ -59,7 +65,15 @@ vec3 lightAt(ivec2 pixel, float plane, float shift)
 {
   vec2 unit = lightPixels * shift;
   vec2 at = (vec2(pixel) + 0.5) / float(LIGHT_SCALE);
+#if TAPS > 0
+  float sum = 0.0;
+  for (int k = 0; k < TAPS; ++k)
+  {
+    sum += tap(lightTexture0, at + direction[k] * unit).r / float(TAPS);
+  }
+#else
   float sum = four(lightTexture0, 0, at, unit);
+#endif
 #if TARGETS > 1
   sum += four(lightTexture1, 1, at, unit);
 #endif

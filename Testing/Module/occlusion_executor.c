@@ -300,13 +300,39 @@ static double light_at(const executor* e, const double* from, int x, int y)
   return inside ? from[x + p->light_width * y] : 1;
 }
 
-/* Eq. 3 of the one field there is. */
+/* Light of direction m before a slab; all share one buffer by the published rule. */
+static double* light_of(const executor* e, int64_t slab, int m)
+{
+  return e->light[slab & 1] + (e->plan->published ? 0 : (size_t)m * light_pixels(e->plan));
+}
+
+/* Light that direction m brings to a light pixel from the slab before. */
+static double shifted_light(const executor* e, int64_t slab, int m, int x, int y)
+{
+  const chi_occlusion_plan* const p = e->plan;
+  const chi_plan_shift* const s = p->shift + slab * p->directions + m;
+  double light = 0;
+  for (int k = 0; k < 4; ++k)
+  {
+    light += (double)s->weight[k] *
+      light_at(e, light_of(e, slab, m), x + s->x + (k & 1), y + s->y + (k >> 1));
+  }
+  return light;
+}
+
+/* Transmittance of half a slab in a direction of this slope, through a pixel of slope px, py. */
+static double half_through(double tau, double px, double py, const float slope[2])
+{
+  const double a = px - (double)slope[0], b = py - (double)slope[1];
+  return exp(-0.5 * tau * sqrt(1 + a * a + b * b));
+}
+
+/* Eq. 3 of the one field there is, or the published rule. */
 static void light_slab(executor* e, int64_t slab)
 {
   const chi_occlusion_plan* const p = e->plan;
   const chi_rect r = bounds(e, p->light + slab, p->light_width, p->light_height);
-  const size_t count = light_pixels(p);
-  double* const seen = e->visibility + (size_t)(slab % p->ring) * count;
+  double* const seen = e->visibility + (size_t)(slab % p->ring) * light_pixels(p);
   const double half = 0.5 * (p->light_scale - 1);
   for (int y = r.y0; y < r.y1; ++y)
   {
@@ -317,24 +343,23 @@ static void light_slab(executor* e, int64_t slab)
       const double through = p->field[0].geometry ? geometry_through(e, slab, x, y) : 1;
       const double px = p->slope_x + (p->light_scale * x + half) * p->slope_dx;
       const double py = p->slope_y + (p->light_scale * y + half) * p->slope_dy;
+      const int at = x + p->light_width * y;
       double sum = 0;
       for (int m = 0; m < p->directions; ++m)
       {
-        const chi_plan_shift* const s = p->shift + slab * p->directions + m;
-        const double* const from = e->light[slab & 1] + (size_t)m * count;
-        double light = 0;
-        for (int k = 0; k < 4; ++k)
-        {
-          light +=
-            (double)s->weight[k] * light_at(e, from, x + s->x + (k & 1), y + s->y + (k >> 1));
-        }
-        const double a = px - (double)p->direction[m][0], b = py - (double)p->direction[m][1];
-        const double less = exp(-0.5 * tau * sqrt(1 + a * a + b * b));
+        const double light = shifted_light(e, slab, m, x, y);
+        const double less = half_through(tau, px, py, p->published ? p->path : p->direction[m]);
         sum += (double)p->share[m] * light * less;
-        e->light[~slab & 1][(size_t)m * count + (size_t)(x + p->light_width * y)] =
-          light * less * less * through;
+        if (!p->published)
+        {
+          light_of(e, slab + 1, m)[at] = light * less * less * through;
+        }
       }
-      seen[x + p->light_width * y] = sum;
+      if (p->published)
+      {
+        light_of(e, slab + 1, 0)[at] = sum * half_through(tau, px, py, p->path) * through;
+      }
+      seen[at] = sum;
     }
   }
 }
@@ -387,7 +412,7 @@ static void receive_beyond(executor* e)
         const double v = (y + 0.5) / p->light_scale - 0.5 +
           (double)p->direction[m][1] * shift * p->light_pixels[1];
         const int i = (int)floor(u), j = (int)floor(v);
-        const double* const from = e->light[p->slabs & 1] + (size_t)m * light_pixels(p);
+        const double* const from = light_of(e, p->slabs, m);
         for (int k = 0; k < 4; ++k)
         {
           const double wu = k & 1 ? u - i : 1 - (u - i), wv = k >> 1 ? v - j : 1 - (v - j);

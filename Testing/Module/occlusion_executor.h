@@ -16,9 +16,10 @@ enum
 };
 
 /*
- * The picture [height][width][EXECUTED_CHANNELS] of a plan without features: of one field and one
- * channel of light, without vicinity, of linear floats, with the colours of segments' middles. To
- * be freed. `everywhere`: no notice is taken of the plan's rectangles.
+ * The picture [height][width][EXECUTED_CHANNELS] of a plan without features but the published
+ * method: of one field and one channel of light, without vicinity, of linear floats, with the
+ * colours of segments' middles. To be freed. `everywhere`: no notice is taken of the plan's
+ * rectangles.
  */
 double* execute_plan(const chi_occlusion_plan* plan, int everywhere);
 

@@ -66,8 +66,8 @@ static chi_occlusion_plan describe(scene* s)
 /* The plan of a frame, and what is drawn of it by the executor; free it. */
 static double* draw(const chi_occlusion_plan* plan, int everywhere)
 {
-  CHECK(plan->features == 0 && plan->fields == 1 && plan->channels == 1 &&
-    plan->vicinity_radius[0] * plan->vicinity_samples == 0 &&
+  CHECK((plan->features & ~(uint64_t)CHI_FEATURE_PUBLISHED) == 0 && plan->fields == 1 &&
+    plan->channels == 1 && plan->vicinity_radius[0] * plan->vicinity_samples == 0 &&
     (!plan->scalars || plan->type == CHI_F32));
   return execute_plan(plan, everywhere);
 }
@@ -90,11 +90,12 @@ static double largest_difference(const double* executed, const chi_occlusion_ima
 
 static void a_plan_carried_out_is_the_picture(void)
 {
-  for (int k = 0; k < 16; ++k)
+  for (int k = 0; k < 32; ++k)
   {
     fogged f;
-    const int parallel = k & 1, half_size = k >> 1 & 1, skips = k >> 2 & 1, surface = k >> 3;
+    const int parallel = k & 1, half_size = k >> 1 & 1, skips = k >> 2 & 1, surface = k >> 3 & 1;
     make_fogged(&f, parallel, surface);
+    f.s->params.method = k >> 4 ? CHI_OCCLUSION_PUBLISHED : CHI_OCCLUSION_ORDINATES;
     f.s->params.half_size = half_size;
     f.s->params.skip = skips ? CHI_SKIP_ALL : CHI_SKIP_NOTHING;
     f.s->params.sample_distance = surface ? 0.5 : 1;

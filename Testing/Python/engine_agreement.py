@@ -70,6 +70,28 @@ def tubes(scene):
     scene.renderer.AddActor(plane)
 
 
+def translucent(actor, opacity):
+    actor.GetProperty().SetOpacity(opacity)
+    return actor
+
+
+def veils(scene):
+    """Translucent things in front of the volume, in it, and behind it, at most four in a pixel."""
+    plane = square(0.8, 0.1, color=(0.3, 0.9, 0.4))
+    plane.RotateY(35.0)
+    scene.renderer.AddActor(translucent(plane, 0.5))
+    scene.renderer.AddActor(translucent(sphere(0.5, (-0.2, 0.2, -0.2), color=(0.9, 0.3, 0.8), lit=True), 0.35))
+    front = square(0.3, 1.5, color=(0.9, 0.9, 0.2))
+    front.SetPosition(2.0, 0.6, 0.0)
+    scene.renderer.AddActor(translucent(front, 0.25))
+    scene.renderer.AddActor(translucent(square(1.5, -1.25, color=(0.5, 0.5, 1.0)), 0.7))
+
+
+def veiled_tubes(scene):
+    tubes(scene)
+    veils(scene)
+
+
 SCENE = Scene((SIZE, SIZE))  # one window for all: shaders are built once
 
 

@@ -281,6 +281,13 @@ typedef struct chi_occlusion_plan
   chi_rect layers_beyond;          /**< pixels with layers behind the last plane */
 
   const chi_plan_cut* cut; /**< NULL: nothing is cut */
+
+  /* The published rule. Where it is set, there is one light buffer for all directions, which are
+   * taps of a blur: its light is the sum of shares times what the shifts bring of it, attenuated as
+   * that of one direction of slope `path`. Behind the last plane taps are as directions, of the one
+   * buffer. */
+  int32_t published;
+  float path[2];
 } chi_occlusion_plan;
 
 /** Samples of one slab: rays, and the light planes that they read. */
