@@ -595,7 +595,7 @@ chi_status chi_plan_fill(const chi_exec* exec, chi_plan_keep* keep, const chi_sc
     describe_volume(
       plan, bricks, classification, chi_march_color_step(scene, classification, frame->params));
     int shaded = 0;
-    if (!chi_shading_prepare(&keep->shading, frame, bricks, &classification->plane, &shaded))
+    if (!chi_shading_prepare(&keep->shading, frame, bricks, classification, &shaded))
     {
       return CHI_ERROR_INVALID_ARGUMENT;
     }

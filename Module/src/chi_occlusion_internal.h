@@ -91,7 +91,8 @@ typedef struct chi_classification
   chi_buffer sums;           /* int32 [(nx + 1)(ny + 1)(nz + 1)] summed volume of occupied */
   int64_t occupied_bricks;
   chi_transfer_plane plane;
-  const chi_mask* mask; /* NULL: none */
+  chi_buffer gradient_opacity; /* float, within 0 ... 1, where the transfer function has one */
+  const chi_mask* mask;        /* NULL: none */
 } chi_classification;
 
 chi_status chi_classify(const chi_exec* exec, chi_classification* out, const chi_bricks* bricks,
@@ -269,7 +270,7 @@ chi_status chi_vicinity(const chi_exec* exec, const chi_scene* scene,
 int chi_shading_is_valid(const chi_shading_view* shading); /* NULL is */
 int chi_gradient_opacity_is_valid(const chi_transfer_view* transfer);
 int chi_shading_prepare(chi_plan_shading* out, const chi_occlusion_frame* frame,
-  const chi_bricks* bricks, const chi_transfer_plane* plane,
+  const chi_bricks* bricks, const chi_classification* classification,
   int* needed); /* 0: a matrix is singular */
 
 /* What of the shading changes the picture, comparable by its bytes. */

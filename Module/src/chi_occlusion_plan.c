@@ -91,8 +91,8 @@ size_t chi_march_picture_floats(const chi_scene* s)
 
 int64_t chi_scene_ring(const chi_scene* s)
 {
-  const int64_t planes = (int64_t)ceil(fmax(s->bias, s->sample_bias)) + 4;
-  return planes < s->slabs + 2 ? planes : s->slabs + 2;
+  const double planes = ceil(fmax(s->bias, s->sample_bias)) + 4; /* a bias may be any number */
+  return planes < (double)(s->slabs + 2) ? (int64_t)planes : s->slabs + 2;
 }
 
 /* Rows and columns that light crosses in the widest step. */
@@ -370,7 +370,7 @@ static chi_status set_sample_frame(march* m)
   f->tinted = m->scene->channels > 1;
   f->general |= f->tinted;
   int shaded = 0;
-  if (!chi_shading_prepare(&m->shade, m->frame, b, &c->plane, &shaded))
+  if (!chi_shading_prepare(&m->shade, m->frame, b, c, &shaded))
   {
     return CHI_ERROR_INVALID_ARGUMENT;
   }

@@ -135,8 +135,9 @@ static void prepare_material(chi_plan_shading* out, const chi_shading_view* s)
 }
 
 int chi_shading_prepare(chi_plan_shading* out, const chi_occlusion_frame* frame,
-  const chi_bricks* bricks, const chi_transfer_plane* plane, int* needed)
+  const chi_bricks* bricks, const chi_classification* classification, int* needed)
 {
+  const chi_transfer_plane* const plane = &classification->plane;
   const chi_transfer_view* const t = frame->transfer;
   memset(out, 0, sizeof *out);
   *needed = frame->shading != NULL || t->gradient_opacity != NULL || t->plane != NULL;
@@ -187,7 +188,7 @@ int chi_shading_prepare(chi_plan_shading* out, const chi_occlusion_frame* frame,
   }
   else if (t->gradient_opacity)
   {
-    out->gradient_opacity = t->gradient_opacity;
+    out->gradient_opacity = (const float*)classification->gradient_opacity.data;
     out->gradient_end = (float)(t->gradient_count - 1);
     out->gradient_scale = (float)((double)(t->gradient_count - 1) * (range / t->gradient_end));
   }

@@ -280,5 +280,6 @@ void chi_classification_free(const chi_exec* exec, chi_classification* c)
   chi_buffer_free(exec, &c->visible_before);
   chi_buffer_free(exec, &c->occupied);
   chi_buffer_free(exec, &c->sums);
+  chi_buffer_free(exec, &c->gradient_opacity);
   chi_transfer_plane_free(exec, &c->plane);
 }

@@ -100,12 +100,37 @@ static void fill_sums(chi_transfer_plane* out)
   }
 }
 
+/* More than all, or less than nothing, would make light of nothing. */
+static int copy_gradient_opacity(
+  const chi_exec* exec, chi_classification* out, const chi_transfer_view* t)
+{
+  if (!t->gradient_opacity)
+  {
+    return 1;
+  }
+  if (!chi_buffer_reserve(exec, &out->gradient_opacity, t->gradient_count, sizeof(float)))
+  {
+    return 0;
+  }
+  float* const share = (float*)out->gradient_opacity.data;
+  for (size_t i = 0; i < t->gradient_count; ++i)
+  {
+    const float value = t->gradient_opacity[i];
+    share[i] = value > 0 ? (value < 1 ? value : 1) : 0; /* NaN: 0 */
+  }
+  return 1;
+}
+
 /* The bound of every column as a table of one quantity: where it is transparent, the plane is. */
 chi_status chi_classify_transfer(const chi_exec* exec, chi_classification* out,
   const chi_bricks* bricks, const chi_transfer_view* transfer, int dilate)
 {
   chi_transfer_plane* const plane = &out->plane;
   plane->count[0] = plane->count[1] = 0;
+  if (!copy_gradient_opacity(exec, out, transfer))
+  {
+    return CHI_ERROR_OUT_OF_MEMORY;
+  }
   if (!transfer->plane)
   {
     return chi_classify(exec, out, bricks, transfer, dilate);

@@ -154,6 +154,53 @@ static void check_picture(const chi_occlusion* o, const chi_camera* c)
   }
 }
 
+/* A call on a frame that has been drawn already. */
+static int succeeds_unless_stopped(const fuzz* f, chi_status status)
+{
+  return status == CHI_OK || (status == CHI_ERROR_OUT_OF_MEMORY && f->refused) ||
+    (status == CHI_ERROR_CANCELLED && f->cancelled);
+}
+
+static int lies_within(const chi_rect* r, int32_t width, int32_t height)
+{
+  return r->x0 >= r->x1 || r->y0 >= r->y1 ||
+    (r->x0 >= 0 && r->y0 >= 0 && r->x1 <= width && r->y1 <= height);
+}
+
+/* What can be drawn can be described, in the bounds that its reader relies on. */
+static void check_plan(
+  fuzz* f, chi_occlusion* o, const chi_exec* exec, const chi_occlusion_frame* frame)
+{
+  chi_occlusion_plan plan = { .struct_size = sizeof plan };
+  fuzz_before(f);
+  const chi_status status = chi_occlusion_describe(exec, o, frame, &plan);
+  FUZZ_CHECK(succeeds_unless_stopped(f, status));
+  if (status != CHI_OK)
+  {
+    return;
+  }
+  FUZZ_CHECK(plan.features == chi_occlusion_features(frame));
+  for (int64_t g = 0; g < plan.slabs; ++g)
+  {
+    FUZZ_CHECK(lies_within(plan.samples + g, plan.width, plan.height));
+    FUZZ_CHECK(lies_within(plan.receivers + g, plan.width, plan.height));
+    FUZZ_CHECK(lies_within(plan.light + g, plan.light_width, plan.light_height));
+  }
+  const uint64_t gradients =
+    CHI_FEATURE_SHADING | CHI_FEATURE_GRADIENT_OPACITY | CHI_FEATURE_TRANSFER_PLANE;
+  const chi_plan_shading* const s = plan.shading;
+  FUZZ_CHECK((s != NULL) == ((plan.features & gradients) != 0));
+  FUZZ_CHECK(!s || !s->lit == !frame->shading);
+  FUZZ_CHECK(!s || !s->gradient_opacity || s->gradient_end >= 1);
+  if (s && s->plane_table)
+  {
+    FUZZ_CHECK((size_t)s->plane_row == plan.entries && s->plane_end >= 1);
+    const chi_plan_entry* const last =
+      s->plane_table + (size_t)s->plane_row * ((size_t)s->plane_end + 1) - 1;
+    FUZZ_CHECK(last->sigma == INFINITY || (last->sigma >= 0 && last->half_slope == 0));
+  }
+}
+
 static void render(fuzz* f, chi_occlusion* o)
 {
   const chi_camera camera = fuzz_camera(f);
@@ -219,11 +266,16 @@ static void render(fuzz* f, chi_occlusion* o)
     {
       fuzz_before(f);
       const double alpha = 0.01 + (double)fuzz_byte(f) / 260;
-      FUZZ_CHECK(chi_occlusion_find_depth(&exec, o, &frame, alpha, depth_found) == CHI_OK);
-      for (size_t i = 0; i < pixels; ++i)
+      const chi_status found = chi_occlusion_find_depth(&exec, o, &frame, alpha, depth_found);
+      FUZZ_CHECK(succeeds_unless_stopped(f, found)); /* it has more pixels than a reduced picture */
+      for (size_t i = 0; i < pixels && found == CHI_OK; ++i)
       {
         FUZZ_CHECK(depth_found[i] == INFINITY || isfinite(depth_found[i]));
       }
+    }
+    if (!frame.probes)
+    {
+      check_plan(f, o, &exec, &frame);
     }
   }
   else if (status == CHI_ERROR_OUT_OF_MEMORY || status == CHI_ERROR_CANCELLED)

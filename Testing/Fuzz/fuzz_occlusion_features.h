@@ -7,7 +7,7 @@
 
 #include "fuzz.h"
 
-#include <chiaroscuro/chi_occlusion.h>
+#include <chiaroscuro/chi_occlusion_plan.h>
 
 typedef struct fuzz_features
 {

@@ -466,6 +466,27 @@ static void a_handle_draws_pictures_of_any_order_of_sizes(void)
   chi_occlusion_destroy(NULL, engine);
 }
 
+/* A bias that leaves the scene lets all light arrive, however far it goes. */
+static void no_bias_is_too_large(void)
+{
+  const size_t n[3] = { 9, 9, 9 };
+  static float lit[4 * WIDTH * WIDTH];
+  scene s;
+  for (int k = 0; k < 4 && scene_create(&s, n, WIDTH); ++k)
+  {
+    chi_occlusion* engine = NULL; /* with buffers of its own: those of another bias are larger */
+    chi_occlusion_image image = { 0 };
+    s.frame->params.bias = (const double[]){ 1e3, 1e18, 1e20, 1e308 }[k];
+    CHECK(chi_occlusion_create(NULL, &engine) == CHI_OK);
+    CHECK(engine && chi_occlusion_render(NULL, engine, &s.frame->frame) == CHI_OK);
+    chi_occlusion_get_image(engine, &image);
+    CHECK(image.rgba && (k == 0 || memcmp(lit, image.rgba, sizeof lit) == 0));
+    memmove(lit, image.rgba ? image.rgba : lit, sizeof lit);
+    chi_occlusion_destroy(NULL, engine);
+    scene_destroy(&s);
+  }
+}
+
 int main(void)
 {
   each_refused_allocation_is_reported_and_nothing_leaks();
@@ -476,5 +497,6 @@ int main(void)
   bad_frames_are_refused_and_the_last_picture_stands();
   nothing_to_draw_is_an_empty_picture();
   a_handle_draws_pictures_of_any_order_of_sizes();
+  no_bias_is_too_large();
   return chi_test_report();
 }

@@ -516,6 +516,32 @@ static void every_sample_type_gives_the_same_picture(void)
   }
 }
 
+/* What is below 0 would add light to it, what is above 1 take more than there is. */
+static void gradient_opacities_are_cut_to_0_and_1(void)
+{
+  static float expected[4 * PIXELS * PIXELS];
+  for (int k = 0; k < 2; ++k)
+  {
+    uint32_t state = 7;
+    scene_init(identity);
+    the.params.strength = 1;
+    the.transfer.gradient_opacity = the.share;
+    the.transfer.gradient_end = 100;
+    for (int i = 0; i < COUNT; ++i)
+    {
+      the.scalars[i] = (float)(200 * chi_test_random(&state) - 100);
+    }
+    for (int i = 0; i < ENTRIES; ++i)
+    {
+      the.share[i] = k ? (i % 3 ? (float)(i % 3 * 1000 - 1500) : NAN) : i % 3 == 2;
+    }
+    const float* const rgba = render(NULL, CHI_OK);
+    CHECK(k == 0 || memcmp(rgba, expected, sizeof expected) == 0);
+    memcpy(expected, rgba, sizeof expected);
+  }
+  CHECK(expected[4 * (PIXELS / 2 * PIXELS + PIXELS / 2) + 3] > 0.1f);
+}
+
 /* The gradient belongs to the sample, in the middle of its segment, and not to the segment's end.
  */
 static void nearest_gradients_look_the_same_from_both_sides(void)
@@ -872,6 +898,7 @@ int main(void)
   gradient_opacity_scales_the_optical_thickness();
   a_ball_under_lights_of_every_kind_equals_a_march_of_our_own();
   every_sample_type_gives_the_same_picture();
+  gradient_opacities_are_cut_to_0_and_1();
   nearest_gradients_look_the_same_from_both_sides();
   without_a_gradient_the_ambient_light_is_left();
   thin_volumes_stay_finite();

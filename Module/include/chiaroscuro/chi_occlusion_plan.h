@@ -144,7 +144,7 @@ typedef struct chi_plan_shading
   float limit; /**< of a colour; may be infinite */
   chi_plan_light light[CHI_MAX_LIGHTS];
   /** Opacity by the gradient, NULL: 1. Table position = magnitude gradient_scale, up to
-   * gradient_end, one less than its entries; of the caller. Extinction is multiplied by it. */
+   * gradient_end, one less than its entries. Extinction is multiplied by it. */
   const float* gradient_opacity;
   float gradient_scale, gradient_end;
   /* Extinction and colour over two quantities, NULL: none. Row of the tables = ((gradient's

@@ -28,7 +28,7 @@ typedef struct chi_transfer_view
    * gradient's magnitude from 0 to gradient_end, beyond which the last one holds. The magnitude is
    * that of the central difference, one sample to either side, in scalar units a mean voxel: times
    * the mean of the three edges of a voxel. */
-  const float* gradient_opacity; /**< [gradient_count], 0 ... 1 */
+  const float* gradient_opacity; /**< [gradient_count], cut to 0 ... 1; NaN: 0 */
   size_t gradient_count;         /**< 2 ... 65536 */
   double gradient_end;           /**< > 0 */
   /** Colour and opacity over two quantities, or NULL; in place of rgb, opacity and
