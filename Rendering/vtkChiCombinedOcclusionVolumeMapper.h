@@ -405,9 +405,9 @@ public:
    * engine, unless OpenGL itself is drawn in software. Where the scene asks for what the OpenGL
    * engine does not have, the CPU engine draws; asked for explicitly, that is a warning, once for
    * each cause. It has one component, pre-integrated colour, opaque, multisampled and
-   * translucent geometry, clipping planes, cropping regions, all lights and their colours, shading
-   * and opacity by gradients, 2-D transfer functions, the published method, and pictures of fewer
-   * pixels (GetUsedImageReduction); not yet several components and masks.
+   * translucent geometry, clipping planes, cropping regions, masks and labels, all lights and their
+   * colours, shading and opacity by gradients, 2-D transfer functions, the published method, and
+   * pictures of fewer pixels (GetUsedImageReduction); not yet several components.
    */
   vtkSetClampMacro(Engine, int, ENGINE_AUTO, ENGINE_OPENGL);
   vtkGetMacro(Engine, int);

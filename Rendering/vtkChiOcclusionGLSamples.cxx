@@ -50,7 +50,7 @@ void vtkChiOcclusionGL::DrawSamples(const chi_occlusion_plan& plan, std::int64_t
       define("NEAREST", plan.nearest) + define("CLIPS", plan.clip_count) +
       define("HAS_SURFACE", plan.surface ? 1 : 0) + define("HAS_LIGHT", lit ? 1 : 0) +
       define("LIGHT_SCALE", plan.light_scale) + define("BRICK_EDGE", plan.brick_edge) +
-      define("ENTRIES", static_cast<int>(plan.entries)) +
+      define("ENTRIES", static_cast<int>(plan.table_entries)) +
       define("COLOR_PARTS", integrates ? plan.color_parts : 0) +
       define("COLOR_STEPS", plan.color_steps) +
       define("TABLE_WIDTH", vtkChiOcclusionTextures::TABLE_WIDTH) + defineLight(plan) +

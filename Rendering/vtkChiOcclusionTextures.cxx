@@ -84,7 +84,8 @@ bool vtkChiOcclusionTextures::Update(vtkOpenGLRenderWindow* window, const chi_oc
   if (plan.scalars)
   {
     good = this->UpdateVolume(window, plan) && this->UpdateTables(window, plan) &&
-      this->UpdateGradientOpacity(window, plan) && this->UpdateSecond(window, plan);
+      this->UpdateGradientOpacity(window, plan) && this->UpdateSecond(window, plan) &&
+      this->UpdateMask(window, plan);
   }
   if (plan.surface)
   {
@@ -218,6 +219,57 @@ bool vtkChiOcclusionTextures::UpdateSecond(
 }
 
 //------------------------------------------------------------------------------
+bool vtkChiOcclusionTextures::UpdateMask(
+  vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan)
+{
+  static_assert(CHI_PLAN_GRIDS == 2, "ReleaseGraphicsResources lists them");
+  const bool kept = this->MaskVersion == plan.mask_version;
+  const int grids = plan.cut ? plan.cut->grids : 0;
+  bool good = true;
+  for (int k = 0; k < CHI_PLAN_GRIDS; ++k)
+  {
+    vtkTextureObject* texture = this->Keep[k];
+    if (k >= grids)
+    {
+      texture->ReleaseGraphicsResources(window);
+      continue;
+    }
+    texture->SetContext(window);
+    if (kept && texture->GetHandle() != 0)
+    {
+      continue;
+    }
+    // rows of words, about as many as they are long: as few as fit into any texture
+    const chi_plan_grid& grid = plan.cut->grid[k];
+    const std::size_t words =
+      static_cast<std::size_t>(grid.step_z) * (static_cast<std::size_t>(grid.last[2]) + 1) / 32 + 1;
+    std::size_t width = 1;
+    while (width * width < words)
+    {
+      width *= 2;
+    }
+    std::vector<std::uint32_t> rows(grid.bits, grid.bits + words);
+    rows.resize(((words - 1) / width + 1) * width);
+    good = good &&
+      upload(texture, window, { GL_R32UI, GL_RED_INTEGER, VTK_UNSIGNED_INT, 1 }, width,
+        rows.size() / width, rows.data());
+  }
+  if (!plan.labels)
+  {
+    this->Labels->ReleaseGraphicsResources(window);
+  }
+  else
+  {
+    this->Labels->SetContext(window);
+    good = good &&
+      ((kept && this->Labels->GetHandle() != 0) ||
+        upload(this->Labels, window, formatOf(CHI_U8), plan.dimensions, plan.labels));
+  }
+  this->MaskVersion = plan.mask_version;
+  return good;
+}
+
+//------------------------------------------------------------------------------
 bool vtkChiOcclusionTextures::UpdateSurfaces(
   vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan)
 {
@@ -276,8 +328,9 @@ void vtkChiOcclusionTextures::ReleaseGraphicsResources(vtkWindow* window)
 {
   for (vtkTextureObject* texture : { this->Volume.Get(), this->Bricks.Get(), this->Sums.Get(),
          this->Sigma.Get(), this->Colors.Get(), this->ColorSums.Get(), this->ColorMeans.Get(),
-         this->GradientOpacity.Get(), this->Second.Get(), this->Surface.Get(),
-         this->SurfaceMore.Get(), this->Guide.Get(), this->Layers.Get(), this->LayerColors.Get() })
+         this->GradientOpacity.Get(), this->Second.Get(), this->Keep[0].Get(), this->Keep[1].Get(),
+         this->Labels.Get(), this->Surface.Get(), this->SurfaceMore.Get(), this->Guide.Get(),
+         this->Layers.Get(), this->LayerColors.Get() })
   {
     texture->ReleaseGraphicsResources(window);
   }

@@ -41,6 +41,9 @@ public:
   vtkTextureObject* GetColorMeans() { return this->ColorMeans; }
   vtkTextureObject* GetSecond() { return this->Second; }
   vtkTextureObject* GetGradientOpacity() { return this->GradientOpacity; }
+  // 32 cells of a mask's grid a texel.
+  vtkTextureObject* GetKeep(int grid) { return this->Keep[grid]; }
+  vtkTextureObject* GetLabels() { return this->Labels; }
   vtkTextureObject* GetSurface() { return this->Surface; }
   vtkTextureObject* GetSurfaceMore() { return this->SurfaceMore; }
   vtkTextureObject* GetGuide() { return this->Guide; }
@@ -53,6 +56,7 @@ private:
   bool UpdateTables(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
   bool UpdateGradientOpacity(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
   bool UpdateSecond(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
+  bool UpdateMask(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
   bool UpdateSurfaces(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
   bool UpdateGuide(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
   bool UpdateLayers(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
@@ -66,6 +70,8 @@ private:
   vtkNew<vtkTextureObject> ColorMeans;
   vtkNew<vtkTextureObject> GradientOpacity;
   vtkNew<vtkTextureObject> Second;
+  vtkNew<vtkTextureObject> Keep[CHI_PLAN_GRIDS];
+  vtkNew<vtkTextureObject> Labels;
   vtkNew<vtkTextureObject> Surface;
   vtkNew<vtkTextureObject> SurfaceMore;
   vtkNew<vtkTextureObject> Guide;
@@ -75,6 +81,7 @@ private:
   std::uint64_t TableVersion = 0;
   std::uint64_t GradientVersion = 0;
   std::uint64_t SecondVersion = 0;
+  std::uint64_t MaskVersion = 0;
   std::uint64_t FrameVersion = 0;
 };
 

@@ -82,7 +82,7 @@ struct chi_occlusion
   chi_plan_keep plan;
   frame_key planned;
   int has_plan;
-  uint64_t versions[3]; /* of the frame, the samples, the tables */
+  uint64_t versions[4]; /* of the frame, the samples, the tables, the mask */
 };
 
 void chi_occlusion_default_params(chi_occlusion_params* params)
@@ -458,6 +458,7 @@ static chi_status prepare_volume(
     !(o->has_classification && memcmp(&masked, &o->masked, sizeof masked) == 0))
   {
     o->has_classification = o->has_frame = 0;
+    ++o->versions[3];
     status = chi_mask_build(exec, &o->mask, &o->bricks, frame->volume, frame->mask, reach);
     o->masked = masked;
     o->classification.mask = o->mask.grids || o->mask.labels ? &o->mask : NULL;
@@ -653,6 +654,7 @@ chi_status chi_occlusion_describe(const chi_exec* exec, chi_occlusion* o,
     plan->frame_version = o->versions[0];
     plan->volume_version = o->versions[1];
     plan->table_version = o->versions[2];
+    plan->mask_version = o->versions[3];
   }
   o->stats.slices = (scene.volume_end - scene.volume_begin) * scene.group;
   o->stats.light_slices = scene.slabs;

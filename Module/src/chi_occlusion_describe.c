@@ -215,6 +215,7 @@ static void describe_volume(
   plan->table_offset = c->offset;
   plan->quantum = c->quantum;
   plan->entries = c->entries;
+  plan->table_entries = c->table_entries;
   plan->table = (const chi_plan_entry*)c->sigma.data;
   plan->rgba = (const float(*)[4])c->rgba.data;
   plan->occupied = (const uint8_t*)c->occupied.data;
@@ -601,6 +602,7 @@ chi_status chi_plan_fill(const chi_exec* exec, chi_plan_keep* keep, const chi_sc
     }
     plan->shading = shaded ? &keep->shading : NULL;
     plan->cut = chi_cut_prepare(&keep->cut, scene, classification->mask) ? &keep->cut : NULL;
+    plan->labels = classification->mask ? classification->mask->labels : NULL;
     status = chi_for(exec, (slabs + BLOCK - 1) / BLOCK, find_samples, &job);
   }
   if (status == CHI_OK && frame->surface)

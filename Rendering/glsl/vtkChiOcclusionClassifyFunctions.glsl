@@ -20,13 +20,14 @@ ivec2 entryPlace(int entry)
   return ivec2(entry % TABLE_WIDTH, entry / TABLE_WIDTH);
 }
 
-// Mean extinction of a segment from table position t0 to t1; t0 < 0: not known. Eq. 1 of
-// theory/occlusion.md.
-float meanExtinction(float t0, float t1)
+// Mean extinction of a segment from position t0 to t1 of the table that begins at an entry; t0 < 0:
+// not known. Eq. 1 of theory/occlusion.md.
+float meanExtinction(int first, float t0, float t1)
 {
   int entry = min(int(t1), ENTRIES - 2);
   float f = t1 - float(entry);
-  vec2 sigma = texelFetch(sigmaTexture, entryPlace(entry), 0).rg;
+  ivec2 at = entryPlace(first + entry);
+  vec2 sigma = texelFetch(sigmaTexture, at, 0).rg;
   float change = t0 < 0.0 ? 0.0 : t1 - t0;
   if (abs(change) <= 1.0)
   {
@@ -34,9 +35,9 @@ float meanExtinction(float t0, float t1)
   }
   int before = min(int(t0), ENTRIES - 2);
   float g = t0 - float(before);
-  vec2 old = texelFetch(sigmaTexture, entryPlace(before), 0).rg;
-  int sums = texelFetch(sumTexture, entryPlace(entry), 0).r -
-    texelFetch(sumTexture, entryPlace(before), 0).r;
+  ivec2 from = entryPlace(first + before);
+  vec2 old = texelFetch(sigmaTexture, from, 0).rg;
+  int sums = texelFetch(sumTexture, at, 0).r - texelFetch(sumTexture, from, 0).r;
   float rest = f * (sigma.x + f * sigma.y) - g * (old.x + g * old.y);
   return max((float(sums) * quantum + rest) / change, 0.0);
 }

@@ -28,13 +28,13 @@ uniform usampler2D keepTexture0; // a bit a cell, row after row of 32 bits
 #if GRIDS > 1
 uniform usampler2D keepTexture1;
 #endif
-uniform ivec3 keepLast[GRIDS]; // cell
-uniform ivec2 keepStep[GRIDS]; // cells from row to row, and from layer to layer
+uniform vec3 keepLast[GRIDS];    // cell
+uniform int keepStep[2 * GRIDS]; // cells from row to row, and from layer to layer
 uniform float keepOffset[GRIDS];
 
 ivec3 cellOf(int grid, vec3 p)
 {
-  return ivec3(clamp(p + keepOffset[grid], vec3(0.0), vec3(keepLast[grid])));
+  return ivec3(clamp(p + keepOffset[grid], vec3(0.0), keepLast[grid]));
 }
 
 uint wordAt(usampler2D bits, int word)
@@ -46,7 +46,7 @@ uint wordAt(usampler2D bits, int word)
 bool isCellKept(int grid, vec3 p)
 {
   ivec3 cell = cellOf(grid, p);
-  int n = cell.x + cell.y * keepStep[grid].x + cell.z * keepStep[grid].y;
+  int n = cell.x + cell.y * keepStep[2 * grid] + cell.z * keepStep[2 * grid + 1];
 #if GRIDS > 1
   uint word = grid == 0 ? wordAt(keepTexture0, n >> 5) : wordAt(keepTexture1, n >> 5);
 #else

@@ -43,6 +43,17 @@ float fetchScalar(vec3 p)
 #endif
 }
 
+#if HAS_LABELS
+uniform usampler3D labelTexture; // table of each voxel
+
+// First entry of the table of the voxel about a point.
+int tableAt(vec3 p)
+{
+  p = clamp(p, vec3(0.0), vec3(textureSize(labelTexture, 0) - 1));
+  return int(texelFetch(labelTexture, ivec3(p + 0.5), 0).r) * ENTRIES;
+}
+#endif
+
 // Place in the tables; -1: no visible sample.
 float tablePosition(vec3 p)
 {

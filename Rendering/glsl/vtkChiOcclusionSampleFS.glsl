@@ -87,6 +87,7 @@ void main()
     float ray = sqrt(1.0 + dot(slope, slope));
     float before = -1.0;
     bool known = false; // before: the table position at the near slice
+    int first = 0;      // entry of that table
 #if HAS_LIGHT
     Planes planes = Planes(LIGHT(1.0), LIGHT(1.0), LIGHT(1.0));
     bool lit = false; // planes are those of this pixel
@@ -125,8 +126,17 @@ void main()
       if (!known && !entering)
       {
         before = tablePosition(p + ahead * q);
+#if HAS_LABELS
+        first = tableAt(p + ahead * q);
+#endif
       }
       float t = tablePosition(p + place * q);
+#if HAS_LABELS
+      // what was sampled before may be of another table
+      int table = tableAt(p + place * q);
+      entering = entering || (before >= 0.0 && table != first);
+      first = table;
+#endif
 #if NEAREST
       float t0 = -1.0; // samples are steps: nothing lies between two labels
 #else
@@ -139,7 +149,7 @@ void main()
       {
         continue;
       }
-      float depth = meanExtinction(t0, t) * (fraction * slice);
+      float depth = meanExtinction(first, t0, t) * (fraction * slice);
 #if HAS_SHADING
 #if NEAREST
       vec3 middle = p + place * q;
@@ -189,7 +199,7 @@ void main()
       else
 #endif
       {
-        rgb = texelFetch(colorTexture, entryPlace(int(t - 0.5 * change + 0.5)), 0).rgb;
+        rgb = texelFetch(colorTexture, entryPlace(first + int(t - 0.5 * change + 0.5)), 0).rgb;
       }
 #endif
 #if LAYERS > 0

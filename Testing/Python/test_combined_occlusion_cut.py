@@ -52,8 +52,20 @@ def cropped(data, flags, mapper, size=100, place=None, planes=PLANES, extra=None
     return scene.pixels()
 
 
+class InEachEngine(unittest.TestCase):
+    """Tests of the CPU engine; classes that inherit them ask for another one."""
+
+    ENGINE = vtkChiCombinedOcclusionVolumeMapper.ENGINE_CPU
+    now = ENGINE  # of mappers that are made
+
+    @classmethod
+    def setUpClass(cls):
+        InEachEngine.now = cls.ENGINE
+
+
 def ours(strength=1.0, step=0.0):
     mapper = vtkChiCombinedOcclusionVolumeMapper()
+    mapper.SetEngine(InEachEngine.now)
     mapper.SetOcclusionStrength(strength)
     mapper.SetSampleDistance(step)
     return mapper
@@ -67,7 +79,7 @@ def peer(step):
     return mapper
 
 
-class Regions(unittest.TestCase):
+class Regions(InEachEngine):
     def test_they_are_cut_where_the_ray_caster_cuts_within_its_half_voxel(self):
         # The ray caster puts cuts up to half a voxel off, so the difference must halve with the voxel.
         def turn(volume):  # no scale: the ray caster corrects opacity for unscaled steps
@@ -125,7 +137,7 @@ class Regions(unittest.TestCase):
                             (values[:, :, :11], ALL)):
             scene = Scene((120, 120))
             _, mapper = scene.add_volume(
-                image(data, (0.05,) * 3, [-0.5, -0.5, -0.5]), volume_property(1.0, 0.8, 0.05)
+                image(data, (0.05,) * 3, [-0.5, -0.5, -0.5]), volume_property(1.0, 0.8, 0.05), ours()
             )
             mapper.CroppingOn()
             mapper.SetCroppingRegionPlanes(-0.25, 0.0, -0.1, 0.1, -0.1, 0.1)
@@ -166,6 +178,7 @@ def seen(data, mapper, prop=None, size=100, extra=None, direction=(-0.5, -0.35, 
     scene.renderer.ResetCameraClippingRange(-2.0, 2.0, -2.0, 2.0, -2.0, 2.0)
     pixels = scene.pixels()
     if isinstance(mapper, vtkChiCombinedOcclusionVolumeMapper):
+        assert mapper.GetEngineInUse() in (InEachEngine.now, mapper.ENGINE_AUTO), mapper.GetEngineReason()
         return float_image(mapper), visibility_image(mapper), pixels
     return None, None, pixels
 
@@ -180,7 +193,7 @@ def wedge(n):
     return (x + 0.5 * y < 0.2) & (z - 0.3 * x > -0.6)
 
 
-class Masks(unittest.TestCase):
+class Masks(InEachEngine):
     def masked(self, mapper, mask):
         mapper.SetMaskInput(mask)
         mapper.SetMaskTypeToBinary()
@@ -226,7 +239,7 @@ class Masks(unittest.TestCase):
         ):
             scene = Scene((120, 120))
             _, mapper = scene.add_volume(
-                image(data.astype(np.float32), (0.05,) * 3, [-0.6, -0.6, -0.6], cells=True), prop
+                image(data.astype(np.float32), (0.05,) * 3, [-0.6, -0.6, -0.6], cells=True), prop, ours()
             )
             if mask is not None:
                 self.masked(mapper, binary(mask, cells=True))
@@ -303,7 +316,7 @@ class Masks(unittest.TestCase):
         self.assertGreater(before.max() - scene.pixels().max(), 0.3)
 
 
-class Labels(unittest.TestCase):
+class Labels(InEachEngine):
     def label(self, prop, label, rgb=None, opacity=None):
         if rgb:
             color = vtkColorTransferFunction()
@@ -434,7 +447,7 @@ class Labels(unittest.TestCase):
             self.assertEqual(picture[..., 1].max(), 0.0)
 
 
-class Blanking(unittest.TestCase):
+class Blanking(InEachEngine):
     def grid(self, values, cells=False):
         grid = vtkUniformGrid()
         grid.ShallowCopy(image(np.asarray(values, np.float32), (0.1,) * 3, cells=cells))
@@ -479,7 +492,8 @@ class Blanking(unittest.TestCase):
         points = numpy_to_vtk(np.full(12**3, vtkDataSetAttributes.DUPLICATEPOINT, np.uint8), deep=True)
         points.SetName(vtkDataSetAttributes.GhostArrayName())
         grid.GetPointData().AddArray(points)
-        self.assertEqual(np.abs(seen(grid, ours())[0] - whole).max(), 0.0)
+        # a few roundings of ends of segments, which are counted from other places where there may be cuts
+        self.assertLessEqual(np.abs(seen(grid, ours())[0] - whole).max(), 2.0**-20)
         flags = np.zeros((11, 11, 11), np.uint8)
         flags[:, :, 6:] = vtkDataSetAttributes.DUPLICATECELL
         cells = numpy_to_vtk(flags.ravel(), deep=True)
@@ -516,6 +530,26 @@ class Blanking(unittest.TestCase):
         messages = Messages(mapper)
         self.assertGreater(seen(grid, mapper)[0].max(), 0.1)
         self.assertEqual(len([w for w in messages.warnings if "masks and blanking" in w]), 1)
+
+
+class InOpenGL:
+    ENGINE = vtkChiCombinedOcclusionVolumeMapper.ENGINE_OPENGL
+
+
+class RegionsInOpenGL(InOpenGL, Regions):
+    pass
+
+
+class MasksInOpenGL(InOpenGL, Masks):
+    pass
+
+
+class LabelsInOpenGL(InOpenGL, Labels):
+    pass
+
+
+class BlankingInOpenGL(InOpenGL, Blanking):
+    pass
 
 
 if __name__ == "__main__":

@@ -195,7 +195,7 @@ typedef struct chi_occlusion_plan
   size_t dimensions[3];
   float table_base, table_scale, table_offset; /**< entry = (scalar - base) scale + offset */
   float quantum;
-  size_t entries;
+  size_t entries;              /**< of all tables */
   const chi_plan_entry* table; /**< [entries] */
   const float (*rgba)[4];      /**< [entries] colours at the nearest entry */
   const uint8_t* occupied;     /**< [bricks z][y][x] of brick_edge^3 cells */
@@ -288,6 +288,13 @@ typedef struct chi_occlusion_plan
    * buffer. */
   int32_t published;
   float path[2];
+
+  /* Labels. The tables lie one after the other in `table` and `rgba`; a sample takes that of the
+   * voxel about it. Where it is not that of the sample before, the ray begins anew. */
+  const uint8_t* labels; /**< [samples] table of each voxel; NULL: there is one table */
+  size_t table_entries;  /**< of one table */
+  uint64_t mask_version; /**< differs from that of this handle's last plan where cells that are
+                            left, or labels, have changed */
 } chi_occlusion_plan;
 
 /** Samples of one slab: rays, and the light planes that they read. */
