@@ -78,6 +78,28 @@ size_t chi_type_size(chi_type type)
   return type >= CHI_F32 && type <= CHI_U64 ? size[type] : 0;
 }
 
+int chi_adopt(void* own, size_t size, size_t least, const void* given)
+{
+  const unsigned char* const bytes = (const unsigned char*)given;
+  size_t length;
+  memcpy(&length, given, sizeof length);
+  /* No version's size ends within a member, or adds so much: nobody has set it. */
+  if (length < least || length % sizeof length || length > size + 4096)
+  {
+    return 0;
+  }
+  for (size_t i = size; i < length; ++i)
+  {
+    if (bytes[i])
+    {
+      return 0;
+    }
+  }
+  memcpy(own, given, length < size ? length : size);
+  memcpy(own, &size, sizeof size);
+  return 1;
+}
+
 int chi_view_is_valid(const chi_vec3_view* view)
 {
   return view && (view->type == CHI_F32 || view->type == CHI_F64) &&

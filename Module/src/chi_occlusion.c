@@ -3,6 +3,7 @@
 #include "chi_components_internal.h"
 #include "chi_mask_internal.h"
 #include "chi_occlusion_describe.h"
+#include "chi_occlusion_frame.h"
 
 #include <float.h>
 #include <math.h>
@@ -243,9 +244,14 @@ static int components_are_valid(const chi_occlusion_frame* frame)
       !(frame->mask && frame->mask->table_of_value));
 }
 
-static chi_status check_frame(const chi_occlusion_frame* frame)
+static chi_status check_frame(chi_own_frame* own, const chi_occlusion_frame* given)
 {
-  if (!frame || !camera_is_valid(frame->camera) || !params_are_valid(frame->params) ||
+  if (!chi_frame_adopt(own, given))
+  {
+    return CHI_ERROR_INVALID_ARGUMENT;
+  }
+  const chi_occlusion_frame* const frame = &own->frame;
+  if (!camera_is_valid(frame->camera) || !params_are_valid(frame->params) ||
     (frame->volume && !chi_transfer_is_valid(frame->transfer)) ||
     !surface_is_valid(frame->surface) || !chi_layers_are_valid(frame->layers) ||
     !chi_shading_is_valid(frame->shading) || frame->clip_plane_count > CHI_MAX_CLIP_PLANES ||
@@ -512,9 +518,11 @@ static void start_stats(chi_occlusion_stats* stats, const chi_scene* scene)
 }
 
 chi_status chi_occlusion_render(
-  const chi_exec* exec, chi_occlusion* o, const chi_occlusion_frame* frame)
+  const chi_exec* exec, chi_occlusion* o, const chi_occlusion_frame* given)
 {
-  chi_status status = o ? check_frame(frame) : CHI_ERROR_INVALID_ARGUMENT;
+  chi_own_frame own;
+  const chi_occlusion_frame* const frame = &own.frame;
+  chi_status status = o ? check_frame(&own, given) : CHI_ERROR_INVALID_ARGUMENT;
   if (status != CHI_OK)
   {
     return status;
@@ -606,9 +614,11 @@ chi_status chi_occlusion_render(
 }
 
 chi_status chi_occlusion_describe(const chi_exec* exec, chi_occlusion* o,
-  const chi_occlusion_frame* frame, chi_occlusion_plan* plan)
+  const chi_occlusion_frame* given, chi_occlusion_plan* plan)
 {
-  chi_status status = o && plan ? check_frame(frame) : CHI_ERROR_INVALID_ARGUMENT;
+  chi_own_frame own;
+  const chi_occlusion_frame* const frame = &own.frame;
+  chi_status status = o && plan ? check_frame(&own, given) : CHI_ERROR_INVALID_ARGUMENT;
   if (status != CHI_OK)
   {
     return status;
@@ -671,10 +681,12 @@ static void clear_depths(void* data, size_t begin, size_t end)
 }
 
 chi_status chi_occlusion_find_depth(const chi_exec* exec, chi_occlusion* o,
-  const chi_occlusion_frame* frame, double alpha, float* depth)
+  const chi_occlusion_frame* given, double alpha, float* depth)
 {
+  chi_own_frame own;
+  const chi_occlusion_frame* const frame = &own.frame;
   chi_status status =
-    o && depth && alpha > 0 && alpha < 1 ? check_frame(frame) : CHI_ERROR_INVALID_ARGUMENT;
+    o && depth && alpha > 0 && alpha < 1 ? check_frame(&own, given) : CHI_ERROR_INVALID_ARGUMENT;
   if (status != CHI_OK)
   {
     return status;

@@ -4,6 +4,7 @@
 
 #include "chi_occlusion_describe.h"
 #include "chi_mask_internal.h"
+#include "chi_occlusion_frame.h"
 #include "chi_occlusion_march.h"
 
 #include <math.h>
@@ -37,7 +38,6 @@ static chi_rect spread(chi_rect r, const int32_t low[2], const int32_t high[2])
 
 /* Features that the plan describes end with these members; what is appended after them must be as
  * in a default frame, or another engine would leave it out in silence. */
-#define CHI_BEYOND(type, member) (offsetof(type, member) + sizeof(((type*)0)->member))
 
 static int tail_differs(const void* given, const void* expected, size_t known, size_t size)
 {
@@ -61,8 +61,14 @@ static int is_masked(const chi_mask_view* m)
   return m && (m->values || m->point_flags || m->cell_flags);
 }
 
-uint64_t chi_occlusion_features(const chi_occlusion_frame* frame)
+uint64_t chi_occlusion_features(const chi_occlusion_frame* given)
 {
+  chi_own_frame own;
+  if (!chi_frame_adopt(&own, given))
+  {
+    return CHI_FEATURE_OTHER;
+  }
+  const chi_occlusion_frame* const frame = &own.frame;
   chi_occlusion_params params;
   memset(&params, 0, sizeof params);
   chi_occlusion_default_params(&params);

@@ -260,8 +260,11 @@ static void gather_stats(chi_spline* s)
 }
 
 chi_status chi_spline_fit(const chi_exec* exec, chi_spline* spline, const chi_lines_view* lines,
-  const chi_spline_params* params)
+  const chi_spline_params* given)
 {
+  chi_spline_params own = { 0 };
+  const chi_spline_params* const params =
+    given && CHI_ADOPT(chi_spline_params, merge_distance, &own, given) ? &own : NULL;
   if (spline) /* the former curves are gone, whatever the result */
   {
     spline->line_count = 0;

@@ -344,8 +344,11 @@ static chi_status run_plan(plan_job* job, size_t chunks)
 }
 
 chi_status chi_tube_plan(const chi_exec* exec, chi_tube* t, const chi_spline* spline,
-  const chi_lines_view* lines, const chi_tube_params* params)
+  const chi_lines_view* lines, const chi_tube_params* given)
 {
+  chi_tube_params own = { 0 };
+  const chi_tube_params* const params =
+    given && CHI_ADOPT(chi_tube_params, min_length, &own, given) ? &own : NULL;
   if (!t || !spline || !lines || chi_spline_count(spline) != lines->line_count ||
     !params_are_valid(params, lines))
   {

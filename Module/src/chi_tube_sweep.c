@@ -309,8 +309,11 @@ static void sweep_chunk(void* data, size_t begin, size_t end)
   }
 }
 
-chi_status chi_tube_sweep(const chi_exec* exec, const chi_tube* t, const chi_tube_outputs* outputs)
+chi_status chi_tube_sweep(const chi_exec* exec, const chi_tube* t, const chi_tube_outputs* given)
 {
+  chi_tube_outputs own = { 0 };
+  const chi_tube_outputs* const outputs =
+    given && CHI_ADOPT(chi_tube_outputs, curve_line_ids, &own, given) ? &own : NULL;
   if (!t || !outputs ||
     (outputs->points && outputs->point_type != CHI_F32 && outputs->point_type != CHI_F64))
   {

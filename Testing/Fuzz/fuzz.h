@@ -141,10 +141,10 @@ FUZZ_UNUSED double fuzz_mostly(fuzz* f, double harmless)
   return fuzz_once_in(f, 16) ? fuzz_any(f) : harmless;
 }
 
-/* A struct's size, seldom a wrong one. */
+/* A struct's size, seldom that of an older version, or nonsense of no more bytes. */
 FUZZ_UNUSED size_t fuzz_size(fuzz* f, size_t size)
 {
-  return fuzz_once_in(f, 16) ? (size_t)fuzz_bits(f, 8) : size;
+  return fuzz_once_in(f, 64) ? fuzz_upto(f, size) : size;
 }
 
 /* Heap of exactly this size, so that the sanitizer sees every overrun, filled with 0xa5. */
@@ -452,7 +452,8 @@ FUZZ_UNUSED chi_spline_params fuzz_spline_params(fuzz* f)
 
 FUZZ_UNUSED int fuzz_spline_params_are_valid(const chi_spline_params* p)
 {
-  return p->tolerance >= 0 && p->tolerance < INFINITY && p->merge_distance >= 0 &&
+  return p->struct_size >= offsetof(chi_spline_params, coefficients) && p->struct_size % 8 == 0 &&
+    p->tolerance >= 0 && p->tolerance < INFINITY && p->merge_distance >= 0 &&
     p->merge_distance < INFINITY && p->method >= 0 && p->method <= 3;
 }
 

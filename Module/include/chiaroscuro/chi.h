@@ -29,6 +29,15 @@ extern "C"
 {
 #endif
 
+/*
+ * Structs that calls read begin with struct_size: sizeof as the caller was compiled, and never more
+ * than the memory that is there. Later versions of the library append members, and nothing else;
+ * what a caller's struct is too short for has its default. A call is refused with
+ * CHI_ERROR_INVALID_ARGUMENT where a struct is shorter than it was in the first version, or is
+ * longer than the library's and anything but 0 stands in what the library does not know. Structs
+ * that calls write are as long as the library's header says.
+ */
+
 /** Result of every call that can fail. Values are pinned: never renumbered, never reused. */
 typedef int32_t chi_status;
 enum
