@@ -86,7 +86,7 @@ def draw(mapper, data, prop, parallel=False, direction=(-0.5, -0.35, -0.8)):
 
 
 class Components(unittest.TestCase):
-    def compare(self, name, data, prop, parallel=False, mean=1.0, most=3.0):
+    def compare(self, name, data, prop, parallel=False):
         a, messages = draw(ours(), data, prop, parallel)
         b, _ = draw(peer(), data, prop, parallel)
         self.assertEqual((messages.errors, messages.warnings), ([], []))
@@ -96,17 +96,34 @@ class Components(unittest.TestCase):
         self.assertGreater(inside.sum(), 1500)
         self.assertGreater(b[inside].std(), 0.03)
         # as asked of shading: mean 1/255, 99 % 3/255
-        self.assertLessEqual(d.mean(), mean)
-        self.assertLessEqual(np.percentile(d, 99), most + 1e-6)  # whole steps, and rounding of float
+        self.assertLessEqual(d.mean(), 1.0)
+        self.assertLessEqual(np.percentile(d, 99), 3.0 + 1e-6)  # whole steps, and rounding of float
 
     def test_independent_components_are_those_of_the_gpu_ray_caster(self):
-        # Of three and four it differs by 1.47 and 1.59 at a tenth of a voxel and still by 1.2 and 1.4 at a
-        # fortieth: what is left is not of the step and not understood. The core's test has the
-        # composition by brute force; here the bounds say that it grows no further.
-        for count, mean, most in ((2, 1.0, 3.0), (3, 1.6, 5.0), (4, 1.7, 5.0)):
-            with self.subTest(count=count):
-                data = interleaved(waves(count))
-                self.compare(f"{count} independent", data, property_of(count), count == 3, mean, most)
+        # Of 16 bits: software OpenGL interpolates textures of 8 bits in 8 bits (tested below).
+        for count in (2, 3, 4):
+            for parallel in (False, True):
+                with self.subTest(count=count, parallel=parallel):
+                    data = interleaved(waves(count, np.uint16))
+                    self.compare(f"{count} independent", data, property_of(count), parallel)
+
+    def test_bytes_are_the_same_numbers(self):
+        """Ours to a rounding of the picture, however the ray caster interpolates them."""
+        for count in (3, 4):
+            pictures = {}
+            for made in (ours, peer):
+                for dtype in (np.uint8, np.uint16):
+                    picture, _ = draw(made(), interleaved(waves(count, dtype)), property_of(count), True)
+                    pictures[made, dtype] = 255.0 * picture
+            inside = erode(pictures[peer, np.uint16].max(axis=2) > 0, 2)
+            own, other = (
+                np.abs(pictures[made, np.uint8] - pictures[made, np.uint16]).max(axis=2)[inside] for made in (ours, peer)
+            )
+            print(f"{count} components, 8 to 16 bits: ours at most {own.max():.0f}, the ray caster {other.mean():.2f} in the mean")
+            self.assertLessEqual(own.max(), 1.0 + 1e-6)
+            # so much may both differ of bytes: what the ray caster's bytes cost, and the bound of 16 bits
+            bytes_apart = np.abs(pictures[ours, np.uint8] - pictures[peer, np.uint8]).max(axis=2)[inside]
+            self.assertLessEqual(bytes_apart.mean(), other.mean() + 1.0)
 
     def test_weights_are_those_of_the_gpu_ray_caster(self):
         data = interleaved(waves(3))
