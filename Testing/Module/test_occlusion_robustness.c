@@ -6,17 +6,22 @@
 #include "chi_test.h"
 #include "occlusion_reference.h"
 
+#include <chiaroscuro/chi_occlusion_plan.h>
+
 enum
 {
   WIDTH = 24
 };
 
-/* A small scene that goes through every stage: fog of one ball, a surface, a probe. */
+/* A small scene that goes through every stage: fog of one ball, a surface, a probe; while there are
+ * any, translucent layers. */
 typedef struct scene
 {
   reference_volume volume;
   reference_frame* frame;
   float* depth; /* exact size: ASan sees overruns */
+  float *layer_depth, *layer_rgba;
+  chi_layers_view layers;
   double probe[3];
   float seen;
 } scene;
@@ -62,6 +67,40 @@ static void scene_destroy(scene* s)
   free(s->depth);
 }
 
+/* Two layers, in the fog and behind it, and pixels that the surface covers in part. */
+static void add_layers(scene* s, int pixels)
+{
+  const size_t count = (size_t)(pixels * pixels);
+  s->layer_depth = malloc(2 * count * sizeof *s->layer_depth);
+  s->layer_rgba = malloc(8 * count * sizeof *s->layer_rgba);
+  CHECK(s->layer_depth && s->layer_rgba);
+  for (size_t i = 0; s->layer_depth && s->layer_rgba && i < 2 * count; ++i)
+  {
+    s->layer_depth[i] = i < count ? 39.5f : 60;
+    for (size_t c = 0; c < 4; ++c)
+    {
+      s->layer_rgba[4 * i + c] = c < 3 ? 0.2f : 0.4f;
+    }
+  }
+  s->layers = (chi_layers_view){ .struct_size = sizeof s->layers,
+    .depth = s->layer_depth,
+    .rgba = s->layer_rgba,
+    .version = 1,
+    .count = 2 };
+  s->frame->frame.layers = &s->layers;
+  s->frame->surface.edge_depth = s->depth;
+  s->frame->surface.edge_rgba = s->layer_rgba;
+  s->frame->surface.end = s->layer_depth + count;
+}
+
+static void remove_layers(scene* s)
+{
+  s->frame->frame.layers = NULL;
+  s->frame->surface.edge_depth = s->frame->surface.edge_rgba = s->frame->surface.end = NULL;
+  free(s->layer_depth);
+  free(s->layer_rgba);
+}
+
 static chi_exec exec_of(chi_test_host* host)
 {
   return (chi_exec){ .struct_size = sizeof(chi_exec),
@@ -69,6 +108,49 @@ static chi_exec exec_of(chi_test_host* host)
     .alloc = chi_test_alloc,
     .release = chi_test_release,
     .is_cancelled = chi_test_is_cancelled };
+}
+
+static chi_status render_or_describe(
+  const chi_exec* exec, chi_occlusion* engine, const chi_occlusion_frame* frame, int describes)
+{
+  chi_occlusion_plan plan;
+  return describes ? chi_occlusion_describe(exec, engine, frame, &plan)
+                   : chi_occlusion_render(exec, engine, frame);
+}
+
+/* The allocations of the first frame, all of which are refused in turn. */
+static long refuse_each(scene* s, int describes)
+{
+  const chi_occlusion_frame* const frame = &s->frame->frame;
+  chi_test_host count = { .refuse_at = -1, .cancel_at = 1L << 40 };
+  chi_exec exec = exec_of(&count);
+  chi_occlusion* engine = NULL;
+  CHECK(chi_occlusion_create(&exec, &engine) == CHI_OK);
+  CHECK(render_or_describe(&exec, engine, frame, describes) == CHI_OK);
+  const long first_frame = count.allocations;
+  ++s->frame->surface.version;
+  CHECK(render_or_describe(&exec, engine, frame, describes) == CHI_OK);
+  CHECK(count.allocations == first_frame); /* a later frame of the same size allocates nothing */
+  chi_occlusion_destroy(&exec, engine);
+  CHECK(count.live == 0);
+  for (long k = 0; k < first_frame; ++k)
+  {
+    chi_test_host host = { .refuse_at = k, .cancel_at = 1L << 40 };
+    exec = exec_of(&host);
+    const chi_status made = chi_occlusion_create(&exec, &engine);
+    CHECK(made == (k == 0 ? CHI_ERROR_OUT_OF_MEMORY : CHI_OK));
+    if (made == CHI_OK)
+    {
+      CHECK(render_or_describe(&exec, engine, frame, describes) == CHI_ERROR_OUT_OF_MEMORY);
+      chi_occlusion_image image;
+      chi_occlusion_get_image(engine, &image);
+      CHECK(image.rgba == NULL && image.width == 0);
+      CHECK(render_or_describe(&exec, engine, frame, describes) == CHI_OK); /* still usable */
+      chi_occlusion_destroy(&exec, engine);
+    }
+    CHECK(host.live == 0);
+  }
+  return first_frame;
 }
 
 static void each_refused_allocation_is_reported_and_nothing_leaks(void)
@@ -80,47 +162,25 @@ static void each_refused_allocation_is_reported_and_nothing_leaks(void)
     scene_destroy(&s);
     return;
   }
-  for (int type = 0; type < 2; ++type) /* fetched in place, or copied */
+  for (int describes = 0; describes < 2; ++describes)
   {
-    double* const wide = malloc(504 * sizeof *wide);
+    s.frame->volume.scalars = s.volume.extinction;
+    s.frame->volume.type = CHI_F32;
+    s.frame->volume.stride = sizeof(float);
+    const long in_place = refuse_each(&s, describes);
+    double* const wide = malloc(504 * sizeof *wide); /* to be copied */
     for (size_t i = 0; wide && i < 504; ++i)
     {
       wide[i] = (double)s.volume.extinction[i];
     }
-    if (type && wide)
-    {
-      s.frame->volume.scalars = wide;
-      s.frame->volume.type = CHI_F64;
-      s.frame->volume.stride = sizeof *wide;
-    }
-    chi_test_host count = { .refuse_at = -1, .cancel_at = 1L << 40 };
-    chi_exec exec = exec_of(&count);
-    chi_occlusion* engine = NULL;
-    CHECK(chi_occlusion_create(&exec, &engine) == CHI_OK);
-    CHECK(chi_occlusion_render(&exec, engine, &s.frame->frame) == CHI_OK);
-    const long first_frame = count.allocations;
-    ++s.frame->surface.version;
-    CHECK(chi_occlusion_render(&exec, engine, &s.frame->frame) == CHI_OK);
-    CHECK(count.allocations == first_frame); /* a later frame of the same size allocates nothing */
-    chi_occlusion_destroy(&exec, engine);
-    CHECK(count.live == 0 && first_frame > 5);
-    for (long k = 0; k < first_frame; ++k)
-    {
-      chi_test_host host = { .refuse_at = k, .cancel_at = 1L << 40 };
-      exec = exec_of(&host);
-      const chi_status made = chi_occlusion_create(&exec, &engine);
-      CHECK(made == (k == 0 ? CHI_ERROR_OUT_OF_MEMORY : CHI_OK));
-      if (made == CHI_OK)
-      {
-        CHECK(chi_occlusion_render(&exec, engine, &s.frame->frame) == CHI_ERROR_OUT_OF_MEMORY);
-        chi_occlusion_image image;
-        chi_occlusion_get_image(engine, &image);
-        CHECK(image.rgba == NULL && image.width == 0);
-        CHECK(chi_occlusion_render(&exec, engine, &s.frame->frame) == CHI_OK); /* still usable */
-        chi_occlusion_destroy(&exec, engine);
-      }
-      CHECK(host.live == 0);
-    }
+    s.frame->volume.scalars = wide;
+    s.frame->volume.type = CHI_F64;
+    s.frame->volume.stride = sizeof *wide;
+    const long copied = refuse_each(&s, describes);
+    CHECK(in_place > 5 && copied > in_place);
+    add_layers(&s, WIDTH);
+    CHECK(refuse_each(&s, describes) > copied);
+    remove_layers(&s);
     free(wide);
   }
   scene_destroy(&s);
