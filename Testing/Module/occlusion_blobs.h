@@ -6,9 +6,8 @@
 /* Soft blobs with geometry in front of and behind them: the scene of the tests of cuts and masks.
  */
 
-#include <chiaroscuro/chi_occlusion.h>
-
 #include "chi_test.h"
+#include "occlusion_views.h"
 
 enum
 {
@@ -48,14 +47,7 @@ __attribute__((unused)) static scene* make_scene(
   {
     exit(1);
   }
-  const double half = parallel ? 30 : 0.3;
-  s->camera = (chi_camera){ .struct_size = sizeof s->camera,
-    .world_to_eye = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 },
-    .window = { -half, half, -half, half },
-    .parallel = parallel,
-    .width = WIDTH,
-    .height = WIDTH,
-    .near_depth = 1 };
+  s->camera = eye_at_origin(parallel, WIDTH, WIDTH, parallel ? 30 : 0.3);
   for (size_t k = 0; k < count[2]; ++k)
   {
     for (size_t j = 0; j < count[1]; ++j)
@@ -80,19 +72,12 @@ __attribute__((unused)) static scene* make_scene(
   const float rgb[6] = { 0.2f, 0.4f, 0.9f, 1, 0.8f, 0.3f };
   memcpy(s->rgb, rgb, sizeof rgb);
   s->opacity[1] = 0.3f;
-  s->transfer = (chi_transfer_view){ .struct_size = sizeof s->transfer,
-    .rgb = s->rgb,
-    .opacity = s->opacity,
-    .count = 2,
-    .range = { 0.4, 1 },
-    .unit_distance = 1,
-    .version = 1 };
+  s->transfer = tables(s->rgb, s->opacity, 2, 0.4, 1);
   for (int i = 0; i < PIXELS; ++i)
   {
     s->depth[i] = i % WIDTH < 20 ? 95 : 130;
   }
-  s->surface =
-    (chi_surface_view){ .struct_size = sizeof s->surface, .depth = s->depth, .version = 1 };
+  s->surface = surface_of(s->depth);
   chi_occlusion_default_params(&s->params);
   s->params.sample_distance = 1;
   s->params.bias = 1.5;
@@ -132,22 +117,6 @@ static chi_occlusion_image render(scene* s)
   chi_occlusion_get_image(s->engine, &image);
   CHECK(image.rgba && image.visibility);
   return image;
-}
-
-/* Largest difference of two pictures, colours and surface visibilities. */
-__attribute__((unused)) static double difference(
-  const chi_occlusion_image* a, const chi_occlusion_image* b)
-{
-  double worst = 0;
-  for (int i = 0; i < 4 * PIXELS; ++i)
-  {
-    worst = fmax(worst, fabs((double)a->rgba[i] - (double)b->rgba[i]));
-  }
-  for (int i = 0; i < PIXELS; ++i)
-  {
-    worst = fmax(worst, fabs((double)a->visibility[i] - (double)b->visibility[i]));
-  }
-  return worst;
 }
 
 /* Regions of a scene, between index positions low and high along each axis. */

@@ -3,9 +3,8 @@
 
 /* Translucent layers: blended where they lie in the volume, and lit as surfaces are. */
 
-#include <chiaroscuro/chi_occlusion.h>
-
 #include "chi_test.h"
+#include "occlusion_views.h"
 
 enum
 {
@@ -37,40 +36,18 @@ static scene* make_scene(int parallel, int fog)
   {
     exit(1);
   }
-  const double half = parallel ? 20 : 0.2;
-  s->camera = (chi_camera){ .struct_size = sizeof s->camera,
-    .world_to_eye = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 },
-    .window = { -half, half, -half, half },
-    .parallel = parallel,
-    .width = WIDTH,
-    .height = WIDTH,
-    .near_depth = 1 };
+  s->camera = eye_at_origin(parallel, WIDTH, WIDTH, parallel ? 20 : 0.2);
   for (size_t k = 0; k < N * N * N; ++k)
   {
     const double i = (double)(k % N), j = (double)(k / N % N), z = (double)(k / N / N);
     s->samples[k] = fog ? 1 : (float)(0.5 + 0.5 * sin(0.45 * i) * cos(0.4 * j) * cos(0.5 * z));
   }
-  const double low = -0.5 * (N - 1);
-  s->volume = (chi_volume_view){ .struct_size = sizeof s->volume,
-    .scalars = s->samples,
-    .type = CHI_F32,
-    .stride = sizeof(float),
-    .dimensions = { N, N, N },
-    .index_to_world = { 1, 0, 0, low, 0, 1, 0, low, 0, 0, 1, low - 100, 0, 0, 0, 1 },
-    .interpolation = CHI_LINEAR,
-    .version = 1 };
+  s->volume = cube_at(s->samples, CHI_F32, N, 100);
   const float rgb[6] = { 0.2f, 0.4f, 0.9f, 1, 0.8f, 0.3f };
   memcpy(s->rgb, rgb, sizeof rgb);
   s->opacity[1] = 0.04f;
-  s->transfer = (chi_transfer_view){ .struct_size = sizeof s->transfer,
-    .rgb = s->rgb,
-    .opacity = s->opacity,
-    .count = 2,
-    .range = { 0.4, 1 },
-    .unit_distance = 1,
-    .version = 1 };
-  s->surface =
-    (chi_surface_view){ .struct_size = sizeof s->surface, .depth = s->depth, .version = 1 };
+  s->transfer = tables(s->rgb, s->opacity, 2, 0.4, 1);
+  s->surface = surface_of(s->depth);
   s->layers = (chi_layers_view){
     .struct_size = sizeof s->layers, .depth = s->layer_depth, .rgba = s->layer_rgba, .version = 1
   };

@@ -6,6 +6,7 @@
 #include <chiaroscuro/chi_occlusion_plan.h>
 
 #include "chi_test.h"
+#include "occlusion_views.h"
 
 enum
 {
@@ -34,38 +35,17 @@ static scene* make_scene(int parallel, int width, int height, int even)
   {
     exit(1);
   }
-  const double half = parallel ? 20 : 20.0 / 60, middle = 0.5 * (N - 1);
-  const double wide = half * width / height;
-  s->camera = (chi_camera){ .struct_size = sizeof s->camera,
-    .world_to_eye = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 },
-    .window = { -wide, wide, -half, half },
-    .parallel = parallel,
-    .width = width,
-    .height = height,
-    .near_depth = 1 };
+  s->camera = eye_at_origin(parallel, width, height, parallel ? 20 : 20.0 / 60);
   for (int i = 0; i < N * N * N; ++i)
   {
     const double x = i % N, y = i / N % N, z = (double)(i / (N * N));
     s->samples[i] = even ? 1 : (float)(0.5 + 0.5 * sin(0.3 * x) * cos(0.35 * y) * sin(0.3 * z + 1));
   }
-  s->volume = (chi_volume_view){ .struct_size = sizeof s->volume,
-    .scalars = s->samples,
-    .type = CHI_F32,
-    .stride = sizeof(float),
-    .dimensions = { N, N, N },
-    .index_to_world = { 1, 0, 0, -middle, 0, 1, 0, -middle, 0, 0, 1, -middle - 60, 0, 0, 0, 1 },
-    .interpolation = CHI_LINEAR,
-    .version = 1 };
+  s->volume = cube_at(s->samples, CHI_F32, N, 60);
   const float rgb[6] = { 0.2f, 0.4f, 0.9f, 1, 0.8f, 0.3f };
   memcpy(s->rgb, rgb, sizeof rgb);
   s->opacity[1] = 0.1f;
-  s->transfer = (chi_transfer_view){ .struct_size = sizeof s->transfer,
-    .rgb = s->rgb,
-    .opacity = s->opacity,
-    .count = 2,
-    .range = { 0, 1 },
-    .unit_distance = 1,
-    .version = 1 };
+  s->transfer = tables(s->rgb, s->opacity, 2, 0, 1);
   /* on the left a surface in front of everything, on the right one behind, tilted; between, none */
   for (int y = 0; y < height; ++y)
   {
@@ -76,8 +56,7 @@ static scene* make_scene(int parallel, int width, int height, int even)
                                               : INFINITY;
     }
   }
-  s->surface =
-    (chi_surface_view){ .struct_size = sizeof s->surface, .depth = s->depth, .version = 1 };
+  s->surface = surface_of(s->depth);
   chi_occlusion_default_params(&s->params);
   s->frame = (chi_occlusion_frame){ .struct_size = sizeof s->frame,
     .camera = &s->camera,

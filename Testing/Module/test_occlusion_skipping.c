@@ -4,9 +4,8 @@
 /* Skipping: each kind alone changes no pixel, spares what its counter says, and can be turned off.
  */
 
-#include <chiaroscuro/chi_occlusion.h>
-
 #include "chi_test.h"
+#include "occlusion_views.h"
 
 enum
 {
@@ -38,14 +37,7 @@ static scene* make_scene(int parallel)
   {
     exit(1);
   }
-  const double half = parallel ? 40 : 0.4;
-  s->camera = (chi_camera){ .struct_size = sizeof s->camera,
-    .world_to_eye = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 },
-    .window = { -half, half, -half, half },
-    .parallel = parallel,
-    .width = WIDTH,
-    .height = WIDTH,
-    .near_depth = 1 };
+  s->camera = eye_at_origin(parallel, WIDTH, WIDTH, parallel ? 40 : 0.4);
   const double middle = 0.5 * (N - 1);
   for (int i = 0; i < N * N * N; ++i)
   {
@@ -53,27 +45,13 @@ static scene* make_scene(int parallel)
     const double r = sqrt(x * x + y * y + z * z) + 2 * sin(0.5 * x) * sin(0.4 * y + 0.3 * z);
     s->samples[i] = (uint8_t)fmin(fmax(255 * (24 - r) / 18, 0), 255);
   }
-  s->volume = (chi_volume_view){ .struct_size = sizeof s->volume,
-    .scalars = s->samples,
-    .type = CHI_U8,
-    .stride = 1,
-    .dimensions = { N, N, N },
-    .index_to_world = { 1, 0, 0, -middle, 0, 1, 0, -middle, 0, 0, 1, -middle - 100, 0, 0, 0, 1 },
-    .interpolation = CHI_LINEAR,
-    .version = 1 };
-  s->transfer = (chi_transfer_view){ .struct_size = sizeof s->transfer,
-    .rgb = s->rgb,
-    .opacity = s->opacity,
-    .count = ENTRIES,
-    .range = { 0, 255 },
-    .unit_distance = 1,
-    .version = 1 };
+  s->volume = cube_at(s->samples, CHI_U8, N, 100);
+  s->transfer = tables(s->rgb, s->opacity, ENTRIES, 0, 255);
   for (int i = 0; i < PIXELS; ++i)
   {
     s->depth[i] = i % WIDTH < WIDTH / 2 ? (float)(98 + 0.1 * (i % WIDTH)) : INFINITY;
   }
-  s->surface =
-    (chi_surface_view){ .struct_size = sizeof s->surface, .depth = s->depth, .version = 1 };
+  s->surface = surface_of(s->depth);
   chi_occlusion_default_params(&s->params);
   const double planes[8] = { 0.3, 0.1, -1, -85, 0, 1, 0, 15 }; /* z <= -85 about, y >= -15 */
   memcpy(s->planes, planes, sizeof planes);
@@ -126,20 +104,6 @@ static chi_occlusion_image render(chi_occlusion* engine, const scene* s, chi_occ
     exit(1);
   }
   return image;
-}
-
-static double difference(const chi_occlusion_image* a, const chi_occlusion_image* b)
-{
-  double worst = 0;
-  for (int i = 0; i < 4 * PIXELS; ++i)
-  {
-    worst = fmax(worst, fabs((double)a->rgba[i] - (double)b->rgba[i]));
-  }
-  for (int i = 0; i < PIXELS; ++i)
-  {
-    worst = fmax(worst, fabs((double)a->visibility[i] - (double)b->visibility[i]));
-  }
-  return worst;
 }
 
 static chi_occlusion* make_engine(void)

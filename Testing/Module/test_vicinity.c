@@ -4,9 +4,8 @@
 /* Vicinity occlusion, how it is combined with the light planes, and the opacity of geometry. Scenes
  * of surfaces alone: 96 x 96 pixels, one world unit each in parallel projection. */
 
-#include <chiaroscuro/chi_occlusion.h>
-
 #include "chi_test.h"
+#include "occlusion_views.h"
 
 enum
 {
@@ -33,14 +32,7 @@ static scene* make_scene(int parallel)
   {
     exit(1);
   }
-  const double half = parallel ? WIDTH / 2 : 0.25;
-  s->camera = (chi_camera){ .struct_size = sizeof s->camera,
-    .world_to_eye = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 },
-    .window = { -half, half, -half, half },
-    .parallel = parallel,
-    .width = WIDTH,
-    .height = WIDTH,
-    .near_depth = 1 };
+  s->camera = eye_at_origin(parallel, WIDTH, WIDTH, parallel ? WIDTH / 2 : 0.25);
   s->surface = (chi_surface_view){ .struct_size = sizeof s->surface, .depth = s->depth };
   chi_occlusion_default_params(&s->params);
   s->params.bias = 1.5;
