@@ -5,51 +5,12 @@ import unittest
 
 import numpy as np
 from engine_agreement import CPU, N, OPENGL, Agreement, fog, render, soft_ball, tubes
+from engine_contents import by_second, plane, with_second
 from occlusion_lights import LIGHTS
 from occlusion_scene import Messages, Scene, ball, image, transfer_plane, volume_property
 from vtkmodules.util.numpy_support import numpy_to_vtk
 
 from chiaroscuro.vtkChiRendering import vtkChiCombinedOcclusionVolumeMapper
-
-
-def plane(content, shade=False, nearest=False, **options):
-    """The same with a table over the scalar and a second quantity."""
-
-    def make():
-        data, prop = content()
-        prop.SetTransferFunctionModeTo2D()
-        prop.SetTransferFunction2D(transfer_plane(**{"opacity": 0.6, **options}))
-        prop.SetShade(shade)
-        prop.SetAmbient(0.2)
-        prop.SetDiffuse(0.7)
-        prop.SetSpecular(0.5)
-        prop.SetSpecularPower(12.0)
-        if nearest:
-            prop.SetInterpolationTypeToNearest()
-        return data, prop
-
-    return make
-
-
-def with_second(content, hole=False):
-    """The same with an array of stripes."""
-
-    def make():
-        data, prop = content()
-        z, y, x = np.meshgrid(*(np.linspace(-1.0, 1.0, N),) * 3, indexing="ij")
-        values = (50.0 + 20.0 * np.sin(5.0 * x) * y + 5.0 * z).astype(np.float32)
-        if hole:
-            values[8:12, 9:15, 3:20] = np.nan
-        second = numpy_to_vtk(values.ravel(), deep=True)
-        second.SetName("second")
-        data.GetPointData().AddArray(second)
-        return data, prop
-
-    return make
-
-
-def by_second(mapper):
-    mapper.SetTransfer2DYAxisArray("second")
 
 
 class OverTheGradient(Agreement):

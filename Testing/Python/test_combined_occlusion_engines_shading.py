@@ -5,50 +5,11 @@ import unittest
 
 import numpy as np
 from engine_agreement import CPU, N, OPENGL, Agreement, fog, peak, render, shells, soft_ball, tubes
+from engine_contents import lit, nearest, steep
 from occlusion_lights import LIGHTS, light
 from occlusion_scene import Scene, ball, cube, image, volume_property
-from vtkmodules.vtkCommonDataModel import vtkPiecewiseFunction
 
 from chiaroscuro.vtkChiRendering import vtkChiCombinedOcclusionVolumeMapper
-
-
-def lit(content, specular=0.6, power=12.0):
-    """The same under lights."""
-
-    def make():
-        data, prop = content()
-        prop.ShadeOn()
-        prop.SetAmbient(0.2)
-        prop.SetDiffuse(0.7)
-        prop.SetSpecular(specular)
-        prop.SetSpecularPower(power)
-        return data, prop
-
-    return make
-
-
-def steep(content, least=0.06):
-    """The same, transparent where the gradient is below that share of the scalar's range."""
-
-    def make():
-        data, prop = content()
-        low, high = data.GetScalarRange()
-        function = vtkPiecewiseFunction()
-        for place, value in ((0.0, 0.0), (least, 0.2), (2.5 * least, 1.0)):
-            function.AddPoint(place * (high - low), value)
-        prop.SetGradientOpacity(function)
-        return data, prop
-
-    return make
-
-
-def nearest(content):
-    def make():
-        data, prop = content()
-        prop.SetInterpolationTypeToNearest()
-        return data, prop
-
-    return make
 
 
 class Feature(Agreement):
