@@ -153,6 +153,7 @@ void vtkChiGeometryBuffer::Draw(vtkRenderer* renderer)
   this->DrawInto(renderer, colors, this->WindowDepth, vtkChiGeometryPass::BUFFER,
     [this, start]
     {
+      glFinish(); // reading waits anyhow: what it waits for is the drawing
       this->SecondsDraw = vtkTimerLog::GetUniversalTime() - start;
       glReadPixels(
         0, 0, this->Width, this->Height, GL_DEPTH_COMPONENT, GL_FLOAT, this->WindowDepths.data());
@@ -186,6 +187,7 @@ void vtkChiGeometryBuffer::DrawSamples(vtkRenderer* renderer, const vtkChiCamera
     [this, window, &camera, start]
     {
       this->Samples.Resolve(window, camera);
+      glFinish();
       this->SecondsDraw = vtkTimerLog::GetUniversalTime() - start;
       this->Target->ActivateReadBuffer(2);
       glReadPixels(0, 0, this->Width, this->Height, GL_RGBA, GL_FLOAT, this->EdgeRgba.data());

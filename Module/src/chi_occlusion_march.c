@@ -399,7 +399,7 @@ void chi_march_free(const chi_exec* exec, chi_march* keep)
 {
   chi_buffer* const all[] = { &keep->planes, &keep->cells, &keep->last_slab, &keep->live,
     &keep->live_row, &keep->sampled, &keep->done, &keep->order, &keep->reach, &keep->steps,
-    &keep->ranges, &keep->scratch, &keep->layers, &keep->layer_flags, &keep->tint };
+    &keep->ranges, &keep->touched, &keep->scratch, &keep->layers, &keep->layer_flags, &keep->tint };
   for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
   {
     chi_buffer_free(exec, all[i]);

@@ -114,7 +114,10 @@ typedef struct march
   uint8_t* tau_stale;      /* [2][rows] the row holds the thickness of an earlier slab */
   uint8_t* need;           /* [bands][segments] */
   float* ranges; /* [light rows][segments][4]: blocker begin, end; receiver first, last step */
-  double* reach; /* [slabs + 1] light pixels that light can have moved */
+  uint64_t (*touched)[2]; /* [light rows][segments] bits, of slab >> touched_shift: a surface may
+                             block in it, and it may serve one */
+  int touched_shift;
+  double* reach;           /* [slabs + 1] light pixels that light can have moved */
   ptrdiff_t* step_offset;  /* [slabs][directions] shift of one slab */
   float (*step_weight)[4]; /* [slabs][directions] */
   int64_t* order;          /* [tickets][2] block, band */

@@ -252,6 +252,7 @@ static chi_status reserve(march* m)
     !chi_buffer_reserve(exec, &keep->reach, slabs + 1, sizeof(double)) ||
     !chi_buffer_reserve(exec, &keep->steps, slabs * directions + 1, step_bytes) ||
     !chi_buffer_reserve(exec, &keep->ranges, light_rows * segments, 4 * sizeof(float)) ||
+    !chi_buffer_reserve(exec, &keep->touched, light_rows * segments, 2 * sizeof(uint64_t)) ||
     (s->channels > 1 &&
       !chi_buffer_reserve(exec, &keep->tint, channels * m->plane + 64, sizeof(float))))
   {
@@ -274,6 +275,7 @@ static chi_status reserve(march* m)
   m->step_offset = (ptrdiff_t*)keep->steps.data;
   m->step_weight = (float(*)[4])(void*)(m->step_offset + slabs * directions);
   m->ranges = (float*)keep->ranges.data;
+  m->touched = (uint64_t(*)[2])keep->touched.data;
   m->tint = (float*)keep->tint.data;
   memset(keep->done.data, 0, blocks * bands);
   memset(m->live_row, RAYS_LIVE, m->rows * cells);
@@ -406,6 +408,10 @@ static void plan_layout(march* m)
   m->shift_segments = (int)(columns / CHI_SEGMENT) + 1;
   m->block = 16 / m->skew < 1 ? 1 : 16 / m->skew < MAX_BLOCK ? 16 / m->skew : MAX_BLOCK;
   m->blocks = (s->slabs + m->block - 1) / m->block;
+  while (s->slabs >> m->touched_shift > 63)
+  {
+    ++m->touched_shift;
+  }
   m->bands = (s->light_height + m->skew * (m->block - 1) - 1) / BAND + 1;
   m->lag = (m->skew * m->block + BAND - 1) / BAND;
   /* whole cache lines before a row's first pixel: pieces begin with a line */

@@ -13,6 +13,38 @@ double chi_march_receiver_plane(const chi_scene* s, double slices)
   return slices / (double)s->group - s->bias - 0.5;
 }
 
+/* The step that serves this depth: its plane rounded down, and 2. */
+static float serving_step(const chi_scene* s, float slices)
+{
+  return (float)(floor(chi_march_receiver_plane(s, (double)slices)) + 2);
+}
+
+enum
+{
+  BLOCKS,
+  SERVES
+};
+
+/* The bit of a slab. */
+static int part_of(const march* m, int64_t slab)
+{
+  const int64_t last = m->scene->slabs;
+  return (int)((slab < 0 ? 0 : slab < last ? slab : last) >> m->touched_shift);
+}
+
+static uint64_t parts_of(const march* m, float begin, float end)
+{
+  const float last = (float)m->scene->slabs;
+  const int a = part_of(m, (int64_t)(begin < last ? begin : last));
+  const int b = part_of(m, (int64_t)(end < last ? end : last));
+  return (~(uint64_t)0 << a) & (~(uint64_t)0 >> (63 - b));
+}
+
+static int touches(const march* m, int kind, int64_t slab, int64_t by, int segment)
+{
+  return (int)(m->touched[by * m->segments + segment][kind] >> part_of(m, slab) & 1);
+}
+
 void chi_march_gather_ranges(void* data, size_t begin, size_t end)
 {
   const march* const m = (const march*)data;
@@ -22,28 +54,41 @@ void chi_march_gather_ranges(void* data, size_t begin, size_t end)
     for (int segment = 0; segment < m->segments; ++segment)
     {
       float* const range = m->ranges + 4 * (by * (size_t)m->segments + (size_t)segment);
-      range[0] = range[2] = INFINITY;
-      range[1] = range[3] = -INFINITY;
+      uint64_t* const touched = m->touched[by * (size_t)m->segments + (size_t)segment];
+      touched[BLOCKS] = touched[SERVES] = 0;
+      float first = INFINITY, last = -INFINITY, nearest = INFINITY, farthest = -INFINITY;
       for (int64_t y = (int64_t)by * s->scale; y < (int64_t)(by + 1) * s->scale && y < s->height;
            ++y)
       {
+        const float* const blocks = picture(m, BLOCK_BEGIN, y);
+        const float* const ends = picture(m, BLOCK_END, y);
+        const float* const depth = picture(m, RECEIVER, y);
         const int64_t x0 = (int64_t)segment * CHI_SEGMENT * s->scale;
         for (int64_t x = x0; x < x0 + CHI_SEGMENT * s->scale && x < s->width; ++x)
         {
-          const float depth = picture(m, RECEIVER, y)[x];
-          if (picture(m, BLOCK_BEGIN, y)[x] < INFINITY)
+          const float block_end = blocks[x] < INFINITY ? ends[x] : -INFINITY;
+          const float deep = depth[x] < INFINITY ? depth[x] : -INFINITY;
+          first = blocks[x] < first ? blocks[x] : first;
+          last = block_end > last ? block_end : last;
+          nearest = depth[x] < nearest ? depth[x] : nearest;
+          farthest = deep > farthest ? deep : farthest;
+          if (blocks[x] < INFINITY)
           {
-            range[0] = fminf(range[0], picture(m, BLOCK_BEGIN, y)[x]);
-            range[1] = fmaxf(range[1], picture(m, BLOCK_END, y)[x]);
+            touched[BLOCKS] |= parts_of(m, blocks[x], ends[x]);
           }
-          if (depth < INFINITY)
+          if (depth[x] < INFINITY)
           {
-            const float step = (float)(floor(chi_march_receiver_plane(s, (double)depth)) + 2);
-            range[2] = fminf(range[2], step);
-            range[3] = fmaxf(range[3], step);
+            const double plane = chi_march_receiver_plane(s, (double)depth[x]);
+            const double served = plane < (double)s->slabs ? plane : (double)s->slabs;
+            touched[SERVES] |= (uint64_t)1
+              << part_of(m, (int64_t)(served > -2 ? served + 4 : 2) - 2);
           }
         }
       }
+      range[0] = first;
+      range[1] = last;
+      range[2] = nearest < INFINITY ? serving_step(s, nearest) : INFINITY;
+      range[3] = nearest < INFINITY ? serving_step(s, farthest) : -INFINITY;
     }
   }
 }
@@ -58,32 +103,46 @@ float chi_geometry_opacity(const chi_occlusion_params* params, float begin, floa
                                                            : 1 - powf(1 - opacity, 1 / slabs);
 }
 
+/* What each of a row's pixels blocks in a slab. */
+static void block_pixels(
+  const march* m, const float* begin, const float* end, float slab, int count, float* blocked)
+{
+  const float opacity = (float)m->frame->params->geometry_opacity;
+  for (int i = 0; i < count; ++i)
+  {
+    blocked[i] = (begin[i] < slab + 1) & (end[i] >= slab) ? opacity : 0;
+  }
+  for (int i = 0; i < count && opacity != 1; ++i)
+  {
+    blocked[i] = blocked[i] > 0 ? chi_geometry_opacity(m->frame->params, begin[i], end[i]) : 0;
+  }
+}
+
 /* Transmittance of the geometry in a slab, a segment of light pixels; 0 when nothing blocks. */
 int chi_march_block_light(const march* m, int64_t slab, int64_t by, int segment, float* out)
 {
   const chi_scene* const s = m->scene;
   const float* const range = m->ranges + 4 * ((size_t)by * (size_t)m->segments + (size_t)segment);
-  if (!m->frame->surface || !(range[0] < (float)(slab + 1)) || !(range[1] >= (float)slab))
+  if (!m->frame->surface || !(range[0] < (float)(slab + 1)) || !(range[1] >= (float)slab) ||
+    !touches(m, BLOCKS, slab, by, segment))
   {
     return 0;
   }
-  const float share = 1.0f / (float)(s->scale * s->scale);
   const int64_t x0 = (int64_t)segment * CHI_SEGMENT * s->scale;
+  const int64_t left = s->width - x0, pixels = CHI_SEGMENT * s->scale;
+  float blocked[2][2 * CHI_SEGMENT] = { { 0 } };
+  for (int64_t k = 0; k < s->scale && by * s->scale + k < s->height; ++k)
+  {
+    const int64_t y = by * s->scale + k;
+    block_pixels(m, picture(m, BLOCK_BEGIN, y) + x0, picture(m, BLOCK_END, y) + x0, (float)slab,
+      (int)(left < pixels ? left : pixels), blocked[k]);
+  }
   for (int i = 0; i < CHI_SEGMENT; ++i)
   {
-    out[i] = 1;
-  }
-  for (int64_t y = by * s->scale; y < (by + 1) * s->scale && y < s->height; ++y)
-  {
-    const float* const begin = picture(m, BLOCK_BEGIN, y);
-    const float* const end = picture(m, BLOCK_END, y);
-    for (int64_t i = 0; i < CHI_SEGMENT * s->scale && x0 + i < s->width; ++i)
-    {
-      const int blocked = begin[x0 + i] < (float)(slab + 1) && end[x0 + i] >= (float)slab;
-      const float opacity =
-        blocked ? share * chi_geometry_opacity(m->frame->params, begin[x0 + i], end[x0 + i]) : 0;
-      out[i / s->scale] -= opacity;
-    }
+    out[i] = s->scale == 1 ? 1 - blocked[0][i]
+                           : 1 -
+        0.25f *
+          (blocked[0][2 * i] + blocked[0][2 * i + 1] + blocked[1][2 * i] + blocked[1][2 * i + 1]);
   }
   return 1;
 }
@@ -191,10 +250,15 @@ static void light_surface(const march* m, int64_t y, int64_t x)
 void chi_march_light_surfaces(const march* m, int64_t step, int64_t by)
 {
   const chi_scene* const s = m->scene;
+  /* Depths that this step may serve, by a margin of more than rounding: most pixels are others. */
+  const double first = ((double)(step - 2) + s->bias + 0.5) * (double)s->group;
+  const double margin = 1e-6 * (fabs(first) + (double)s->group);
+  const float low = (float)(first - margin), high = (float)(first + (double)s->group + margin);
   for (int segment = 0; segment < m->segments; ++segment)
   {
     const float* const range = m->ranges + 4 * ((size_t)by * (size_t)m->segments + (size_t)segment);
-    if (!(range[2] <= (float)step) || !(range[3] >= (float)step))
+    if (!(range[2] <= (float)step) || !(range[3] >= (float)step) ||
+      !touches(m, SERVES, step, by, segment))
     {
       continue;
     }
@@ -202,10 +266,15 @@ void chi_march_light_surfaces(const march* m, int64_t step, int64_t by)
     for (int64_t y = by * s->scale; y < (by + 1) * s->scale && y < s->height; ++y)
     {
       const float* const depth = picture(m, RECEIVER, y);
-      for (int64_t x = x0; x < x0 + CHI_SEGMENT * s->scale && x < s->width; ++x)
+      int any = 0;
+      for (int64_t x = x0; x < x0 + CHI_SEGMENT * s->scale; ++x) /* rows are padded */
       {
-        if (depth[x] < INFINITY &&
-          floor(chi_march_receiver_plane(s, (double)depth[x])) + 2 == (double)step)
+        any |= (depth[x] >= low) & (depth[x] <= high);
+      }
+      for (int64_t x = x0; any && x < x0 + CHI_SEGMENT * s->scale && x < s->width; ++x)
+      {
+        const double plane = chi_march_receiver_plane(s, (double)depth[x]);
+        if (plane >= (double)(step - 2) && plane < (double)(step - 1)) /* as serving_step */
         {
           light_surface(m, y, x);
         }
@@ -254,7 +323,7 @@ void chi_march_light_rest(void* data, size_t begin, size_t end)
     for (int64_t x = 0; x < s->width; ++x)
     {
       if (depth[x] < INFINITY &&
-        floor(chi_march_receiver_plane(s, (double)depth[x])) + 2 >= (double)s->slabs)
+        chi_march_receiver_plane(s, (double)depth[x]) >= (double)(s->slabs - 2))
       {
         light_surface(m, (int64_t)y, x);
       }

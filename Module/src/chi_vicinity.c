@@ -15,101 +15,41 @@
 typedef struct vicinity_job
 {
   const chi_exec* exec;
-  const chi_scene* scene;
-  const float* depth;
-  const float* end;
-  const chi_occlusion_params* params;
-  double pixels[2]; /* pixels a world unit (parallel), or a unit of slope */
-  double radius[2]; /* of each light's base of its cone, world units */
-  double disc[2][CHI_MAX_VICINITY_SAMPLES][2];
+  const chi_occlusion_kernels* kernels;
+  chi_vicinity_row row;
+  const float* receiver;
+  float disc[2][2][CHI_MAX_VICINITY_SAMPLES];
+  int32_t combine; /* CHI_COMBINE_... */
   float* visibility;
   size_t colors;
 } vicinity_job;
 
-/* Depth of a pixel, INFINITY where there is none. */
-static double depth_at(const vicinity_job* it, int64_t x, int64_t y)
-{
-  const chi_scene* const s = it->scene;
-  if (x < 0 || y < 0 || x >= s->width || y >= s->height)
-  {
-    return INFINITY;
-  }
-  const double z = (double)it->depth[x + (int64_t)s->width * y];
-  return z > 0 ? z : INFINITY;
-}
-
-/* Rise of the surface's own tangent plane a pixel: the flatter of both sides, so that the step to
- * another surface does not count. */
-static double slope_at(
-  const vicinity_job* it, int64_t x, int64_t y, int64_t dx, int64_t dy, double z)
-{
-  const double after = depth_at(it, x + dx, y + dy) - z, before = z - depth_at(it, x - dx, y - dy);
-  const double slope = fabs(after) < fabs(before) ? after : before;
-  return isfinite(slope) ? slope : 0;
-}
-
-/* How far a neighbour blocks, 0 to 1; `lead`: by how much it is nearer to the eye than the tangent
- * plane, which rises by `rise` on the way. */
-static double blocks(const vicinity_job* it, double radius, double lead, double rise)
-{
-  const chi_occlusion_params* const p = it->params;
-  if (p->vicinity_bias > 0)
-  {
-    return lead > p->vicinity_bias ? 1 : 0;
-  }
-  const double far = CHI_VICINITY_FADE - lead / p->vicinity_distance;
-  const double share = far < 0 ? 0 : far < 1 ? far : 1;
-  return lead > CHI_VICINITY_CURVATURE * radius + CHI_VICINITY_RISE * rise ? share : 0;
-}
-
-static double vicinity(const vicinity_job* it, int64_t x, int64_t y, double z)
-{
-  const int count = it->params->vicinity_samples, plane = !(it->params->vicinity_bias > 0);
-  const double slope_x = plane ? slope_at(it, x, y, 1, 0, z) : 0;
-  const double slope_y = plane ? slope_at(it, x, y, 0, 1, z) : 0;
-  double all = 0;
-  for (int light = 0; light < it->scene->lights; ++light)
-  {
-    const double radius = it->radius[light], scale = it->scene->parallel ? radius : radius / z;
-    const double reach[2] = { it->pixels[0] * scale, it->pixels[1] * scale };
-    double blocked = 0;
-    for (int k = 0; k < count; ++k)
-    {
-      const double dx = floor(it->disc[light][k][0] * reach[0] + 0.5);
-      const double dy = floor(it->disc[light][k][1] * reach[1] + 0.5);
-      if (fabs(dx) < it->scene->width && fabs(dy) < it->scene->height)
-      {
-        const double expected = z + dx * slope_x + dy * slope_y;
-        const double rise = fabs(dx * slope_x) + fabs(dy * slope_y);
-        const double lead = expected - depth_at(it, x + (int64_t)dx, y + (int64_t)dy);
-        blocked += blocks(it, radius, lead, rise);
-      }
-    }
-    all += it->scene->light[light].share * (blocked / count);
-  }
-  return 1 - all;
-}
-
 static void combine_rows(void* data, size_t begin, size_t end)
 {
-  const vicinity_job* const it = (const vicinity_job*)data;
-  const int64_t width = it->scene->width;
-  for (int64_t y = (int64_t)begin; y < (int64_t)end && !chi_is_cancelled(it->exec); ++y)
+  enum
   {
-    for (int64_t x = 0; x < width; ++x)
+    PIECE = 256
+  };
+  const vicinity_job* const it = (const vicinity_job*)data;
+  float left[PIECE];
+  chi_vicinity_row row = it->row;
+  row.left = left;
+  for (size_t y = begin; y < end && !chi_is_cancelled(it->exec); ++y)
+  {
+    row.y = (int)y;
+    row.receiver = it->receiver + y * (size_t)row.width;
+    for (int x0 = 0; x0 < row.width; x0 += PIECE)
     {
-      const float* const receiver = it->end ? it->end : it->depth;
-      const double z = (double)receiver[x + y * width];
-      if (z > 0 && z < INFINITY)
+      const int x1 = x0 + PIECE < row.width ? x0 + PIECE : row.width;
+      it->kernels->vicinity(&row, x0, x1);
+      for (int x = x0; x < x1; ++x)
       {
-        float* const v = it->visibility + it->colors * (size_t)(y * width + x);
-        const double near = vicinity(it, x, y, z);
-        for (size_t c = 0; c < it->colors; ++c)
+        const float z = row.receiver[x], near = left[x - x0];
+        float* const v = it->visibility + it->colors * (y * (size_t)row.width + (size_t)x);
+        for (size_t c = 0; c < it->colors && z > 0 && z < INFINITY; ++c)
         {
-          const double partial = (double)v[c];
-          v[c] =
-            (float)(it->params->combine == CHI_COMBINE_MINIMUM ? fmin(partial, near) /* Eq. 7 */
-                                                               : partial * near);    /* Eq. 8 */
+          v[c] = it->combine == CHI_COMBINE_MINIMUM ? fminf(v[c], near) /* Eq. 7 */
+                                                    : v[c] * near;      /* Eq. 8 */
         }
       }
     }
@@ -145,18 +85,38 @@ chi_status chi_vicinity(const chi_exec* exec, const chi_scene* scene,
   size_t colors)
 {
   vicinity_job job = { .exec = exec,
-    .scene = scene,
-    .depth = surface->depth,
-    .end = surface->end,
-    .params = params,
-    .pixels = { scene->pixels_x * scene->scale, scene->pixels_y * scene->scale },
+    .kernels = chi_kernels(),
+    .row = { .depth = surface->depth,
+      .width = scene->width,
+      .height = scene->height,
+      .pixels = { (float)(scene->pixels_x * scene->scale),
+        (float)(scene->pixels_y * scene->scale) },
+      .parallel = scene->parallel,
+      .lights = scene->lights,
+      .bias = params->vicinity_bias > 0 ? (float)params->vicinity_bias : 0,
+      .rise = (float)CHI_VICINITY_RISE,
+      .fade = (float)CHI_VICINITY_FADE,
+      .inverse_distance = (float)(1 / params->vicinity_distance) },
+    .receiver = surface->end ? surface->end : surface->depth,
+    .combine = params->combine,
     .visibility = visibility,
     .colors = colors };
-  int count = 0;
   for (int light = 0; light < scene->lights; ++light)
   {
-    job.radius[light] = chi_vicinity_radius(scene, params, light);
-    count = chi_vicinity_disc(scene, params, light, job.disc[light]);
+    double disc[CHI_MAX_VICINITY_SAMPLES][2];
+    const double radius = chi_vicinity_radius(scene, params, light);
+    job.row.count = chi_vicinity_disc(scene, params, light, disc);
+    job.row.radius[light] = (float)radius;
+    job.row.curvature[light] = (float)(CHI_VICINITY_CURVATURE * radius);
+    for (int k = 0; k < job.row.count; ++k)
+    {
+      job.disc[light][0][k] = (float)disc[k][0];
+      job.disc[light][1][k] = (float)disc[k][1];
+    }
+    job.row.share[light] =
+      job.row.count > 0 ? (float)(scene->light[light].share / job.row.count) : 0;
+    job.row.disc[light][0] = job.disc[light][0];
+    job.row.disc[light][1] = job.disc[light][1];
   }
-  return count == 0 ? CHI_OK : chi_for(exec, (size_t)scene->height, combine_rows, &job);
+  return job.row.count == 0 ? CHI_OK : chi_for(exec, (size_t)scene->height, combine_rows, &job);
 }

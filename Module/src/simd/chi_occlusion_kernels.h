@@ -165,6 +165,23 @@ typedef struct chi_light_segment
   float dark_below;
 } chi_light_segment;
 
+/* Vicinity of one row's surfaces. */
+typedef struct chi_vicinity_row
+{
+  const float* depth; /* [height][width], of what blocks; not positive or NaN: nothing there */
+  int width, height, y;
+  const float* receiver; /* [width], the row's surfaces; lanes that have none give anything */
+  float pixels[2];       /* pixels a world unit (parallel), or a unit of slope */
+  int parallel;
+  int lights, count;       /* offsets of a light */
+  const float* disc[2][2]; /* [light][axis][count], in radii */
+  float radius[2];         /* world units */
+  float share[2];          /* of all light that one offset blocks */
+  float bias;              /* world units; 0: by the tangent plane, as follows */
+  float curvature[2], rise, fade, inverse_distance;
+  float* left; /* out, [end - begin] */
+} chi_vicinity_row;
+
 typedef struct chi_occlusion_kernels
 {
   const char* name;
@@ -179,6 +196,7 @@ typedef struct chi_occlusion_kernels
     float py, float px_step, int count, float* length, float* length_x);
   void (*enlarge)(const float* const* rows, const float* weight, int row_count, float base,
     int scale, int begin, int end, float* out);
+  void (*vicinity)(const chi_vicinity_row* row, int begin, int end);
 } chi_occlusion_kernels;
 
 extern const chi_occlusion_kernels chi_kernels_generic;

@@ -15,3 +15,5 @@
 #include "chi_occlusion_sample.inl"
 
 #include "chi_occlusion_light.inl"
+
+#include "chi_vicinity.inl"
