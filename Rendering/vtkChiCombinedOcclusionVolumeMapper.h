@@ -402,12 +402,9 @@ public:
   /**
    * Which engine renders: the CPU engine, or the OpenGL engine (OpenGL 3.2, on the graphics card),
    * which makes the same picture within 1/255 in the mean. Auto, the default, takes the OpenGL
-   * engine, unless OpenGL itself is drawn in software. Where the scene asks for what the OpenGL
-   * engine does not have, the CPU engine draws; asked for explicitly, that is a warning, once for
-   * each cause. It has one component, pre-integrated colour, opaque, multisampled and
-   * translucent geometry, clipping planes, cropping regions, masks and labels, all lights and their
-   * colours, shading and opacity by gradients, 2-D transfer functions, the published method, and
-   * pictures of fewer pixels (GetUsedImageReduction); not yet several components.
+   * engine, unless OpenGL itself is drawn in software. Where the OpenGL engine cannot draw, as of
+   * volumes and pictures beyond the largest texture, the CPU engine does; asked for explicitly,
+   * that is a warning, once for each cause.
    */
   vtkSetClampMacro(Engine, int, ENGINE_AUTO, ENGINE_OPENGL);
   vtkGetMacro(Engine, int);

@@ -26,7 +26,8 @@ constexpr int CHECK = 8; // slabs from one look at what is still alive to the ne
 // CHI_FEATURE_... that the shaders do.
 constexpr std::uint64_t KNOWN = CHI_FEATURE_REDUCTION | CHI_FEATURE_COLORED | CHI_FEATURE_SHADING |
   CHI_FEATURE_GRADIENT_OPACITY | CHI_FEATURE_TRANSFER_PLANE | CHI_FEATURE_EDGES |
-  CHI_FEATURE_LAYERS | CHI_FEATURE_CROP | CHI_FEATURE_MASK | CHI_FEATURE_PUBLISHED;
+  CHI_FEATURE_LAYERS | CHI_FEATURE_CROP | CHI_FEATURE_MASK | CHI_FEATURE_PUBLISHED |
+  CHI_FEATURE_COMPONENTS;
 }
 
 //------------------------------------------------------------------------------

@@ -83,6 +83,8 @@ private:
   void SetShading(vtkShaderProgram* program, const chi_occlusion_plan& plan);
   static std::string DefineCuts(const chi_occlusion_plan& plan);
   void SetCuts(vtkShaderProgram* program, const chi_occlusion_plan& plan);
+  static std::string DefineComponents(const chi_occlusion_plan& plan);
+  void SetComponents(vtkShaderProgram* program, const chi_occlusion_plan& plan);
   void DrawLight(const chi_occlusion_plan& plan, int field, int channel, std::int64_t slab);
   void DrawBlur(const chi_occlusion_plan& plan, int field, int channel, std::int64_t slab);
   bool IsAttenuated(

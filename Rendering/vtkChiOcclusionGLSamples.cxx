@@ -4,6 +4,7 @@
 #include "vtkChiOcclusionGL.h"
 
 #include "vtkChiOcclusionClassifyFunctions.h"
+#include "vtkChiOcclusionComponentsFunctions.h"
 #include "vtkChiOcclusionCutFunctions.h"
 #include "vtkChiOcclusionFetchFunctions.h"
 #include "vtkChiOcclusionGLTools.h"
@@ -31,7 +32,8 @@ const char* sampleShader()
     vtkShaderProgram::Substitute(source, "//CHI::Functions::Dec",
       std::string(vtkChiOcclusionFetchFunctions) + vtkChiOcclusionClassifyFunctions +
         vtkChiOcclusionPlanesFunctions + vtkChiOcclusionShadeFunctions +
-        vtkChiOcclusionRowsFunctions + vtkChiOcclusionSplitFunctions + vtkChiOcclusionCutFunctions);
+        vtkChiOcclusionRowsFunctions + vtkChiOcclusionSplitFunctions + vtkChiOcclusionCutFunctions +
+        vtkChiOcclusionComponentsFunctions);
     return source;
   }();
   return whole.c_str();
@@ -54,7 +56,8 @@ void vtkChiOcclusionGL::DrawSamples(const chi_occlusion_plan& plan, std::int64_t
       define("COLOR_PARTS", integrates ? plan.color_parts : 0) +
       define("COLOR_STEPS", plan.color_steps) +
       define("TABLE_WIDTH", vtkChiOcclusionTextures::TABLE_WIDTH) + defineLight(plan) +
-      this->DefineShading(plan) + this->DefineLayers(plan) + this->DefineCuts(plan));
+      this->DefineShading(plan) + this->DefineLayers(plan) + this->DefineCuts(plan) +
+      this->DefineComponents(plan));
   if (!program)
   {
     return;
@@ -120,6 +123,7 @@ void vtkChiOcclusionGL::DrawSamples(const chi_occlusion_plan& plan, std::int64_t
     this->ReadLayers(program, plan, slab, slab + 1);
   }
   this->SetCuts(program, plan);
+  this->SetComponents(program, plan);
   const chi_rect& rect = plan.samples[slab];
   std::vector<vtkTextureObject*> targets = { this->Layer.Get() };
   targets.insert(targets.end(), this->LayerWeights.begin(), this->LayerWeights.end());

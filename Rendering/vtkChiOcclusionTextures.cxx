@@ -24,19 +24,22 @@ struct Format
 };
 
 // Samples as they are: linear filters of the hardware have 8-bit weights, the core's have 24.
-Format formatOf(chi_type type)
+Format formatOf(chi_type type, int components = 1)
 {
-  switch (type)
-  {
-    case CHI_U8:
-      return { GL_R8UI, GL_RED_INTEGER, VTK_UNSIGNED_CHAR, 1 };
-    case CHI_I16:
-      return { GL_R16I, GL_RED_INTEGER, VTK_SHORT, 1 };
-    case CHI_U16:
-      return { GL_R16UI, GL_RED_INTEGER, VTK_UNSIGNED_SHORT, 1 };
-    default:
-      return { GL_R32F, GL_RED, VTK_FLOAT, 1 };
-  }
+  static const Format formats[4][3] = {
+    { { GL_R8UI, GL_RED_INTEGER, VTK_UNSIGNED_CHAR, 1 },
+      { GL_RG8UI, GL_RG_INTEGER, VTK_UNSIGNED_CHAR, 2 },
+      { GL_RGBA8UI, GL_RGBA_INTEGER, VTK_UNSIGNED_CHAR, 4 } },
+    { { GL_R16I, GL_RED_INTEGER, VTK_SHORT, 1 }, { GL_RG16I, GL_RG_INTEGER, VTK_SHORT, 2 },
+      { GL_RGBA16I, GL_RGBA_INTEGER, VTK_SHORT, 4 } },
+    { { GL_R16UI, GL_RED_INTEGER, VTK_UNSIGNED_SHORT, 1 },
+      { GL_RG16UI, GL_RG_INTEGER, VTK_UNSIGNED_SHORT, 2 },
+      { GL_RGBA16UI, GL_RGBA_INTEGER, VTK_UNSIGNED_SHORT, 4 } },
+    { { GL_R32F, GL_RED, VTK_FLOAT, 1 }, { GL_RG32F, GL_RG, VTK_FLOAT, 2 },
+      { GL_RGBA32F, GL_RGBA, VTK_FLOAT, 4 } },
+  };
+  const int row = type == CHI_U8 ? 0 : type == CHI_I16 ? 1 : type == CHI_U16 ? 2 : 3;
+  return formats[row][components == 1 ? 0 : components == 2 ? 1 : 2]; // of three, one lies idle
 }
 
 void prepare(vtkTextureObject* texture, vtkOpenGLRenderWindow* window, const Format& format)
@@ -69,12 +72,45 @@ bool upload(vtkTextureObject* texture, vtkOpenGLRenderWindow* window, const Form
     static_cast<unsigned int>(size[1]), static_cast<unsigned int>(size[2]), format.Components,
     format.Type, const_cast<void*>(data));
 }
+
+// Samples of several components, the plan's own first.
+template <typename T>
+bool uploadComponents(
+  vtkTextureObject* texture, vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan)
+{
+  const chi_plan_components& all = *plan.components;
+  const Format format = formatOf(plan.type, all.count + 1);
+  const std::size_t step = static_cast<std::size_t>(format.Components);
+  const std::size_t count = plan.dimensions[0] * plan.dimensions[1] * plan.dimensions[2];
+  std::vector<T> texels(step * count);
+  for (int k = 0; k <= all.count; ++k)
+  {
+    const T* from = static_cast<const T*>(k == 0 ? plan.scalars : all.more[k - 1].scalars);
+    T* to = texels.data() + k;
+    for (std::size_t i = 0; i < count; ++i, to += step)
+    {
+      *to = from[i];
+    }
+  }
+  return upload(texture, window, format, plan.dimensions, texels.data());
+}
 }
 
 //------------------------------------------------------------------------------
 const char* vtkChiOcclusionTextures::SamplerOf(chi_type type)
 {
   return type == CHI_F32 ? "sampler3D" : type == CHI_I16 ? "isampler3D" : "usampler3D";
+}
+
+//------------------------------------------------------------------------------
+std::size_t vtkChiOcclusionTextures::FirstEntryOf(const chi_occlusion_plan& plan, int component)
+{
+  std::size_t first = plan.entries;
+  for (int k = 0; k < component; ++k)
+  {
+    first += static_cast<std::size_t>(plan.components->more[k].entries);
+  }
+  return first;
 }
 
 //------------------------------------------------------------------------------
@@ -111,7 +147,21 @@ bool vtkChiOcclusionTextures::UpdateVolume(
     return true;
   }
   this->VolumeVersion = plan.volume_version;
-  return upload(this->Volume, window, formatOf(plan.type), plan.dimensions, plan.scalars);
+  if (!plan.components)
+  {
+    return upload(this->Volume, window, formatOf(plan.type), plan.dimensions, plan.scalars);
+  }
+  switch (plan.type)
+  {
+    case CHI_U8:
+      return uploadComponents<std::uint8_t>(this->Volume, window, plan);
+    case CHI_I16:
+      return uploadComponents<std::int16_t>(this->Volume, window, plan);
+    case CHI_U16:
+      return uploadComponents<std::uint16_t>(this->Volume, window, plan);
+    default:
+      return uploadComponents<float>(this->Volume, window, plan);
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -124,12 +174,15 @@ bool vtkChiOcclusionTextures::UpdateTables(
     return true;
   }
   this->TableVersion = plan.table_version;
-  // of two quantities: row after row behind the table of one
+  // behind the plan's own table, of two quantities row after row, or those of the components
   const chi_plan_shading* shading = plan.shading;
   const std::size_t rows =
     shading && shading->plane_table ? static_cast<std::size_t>(shading->plane_end) + 1 : 0;
+  const int components = plan.components ? plan.components->count : 0;
+  const std::size_t entries =
+    components ? FirstEntryOf(plan, components) : plan.entries * (rows + 1);
   const std::size_t width = TABLE_WIDTH;
-  const std::size_t height = (plan.entries * (rows + 1) - 1) / width + 1;
+  const std::size_t height = (entries - 1) / width + 1;
   const std::size_t colorHeight = (plan.entries - 1) / width + 1;
   int largest = 0;
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
@@ -142,19 +195,26 @@ bool vtkChiOcclusionTextures::UpdateTables(
   std::vector<float> colors(4 * width * height);
   std::vector<std::int32_t> colorSums(4 * width * colorHeight);
   std::vector<float> colorMeans(4 * width * colorHeight);
-  for (std::size_t row = 0; row <= rows; ++row)
+  const auto place =
+    [&](std::size_t first, const chi_plan_entry* table, const float(*rgba)[4], std::size_t count)
   {
-    const std::size_t first = row * plan.entries;
-    const chi_plan_entry* table =
-      row > 0 ? shading->plane_table + (first - plan.entries) : plan.table;
-    const float(*rgba)[4] = row > 0 ? shading->plane_rgba + (first - plan.entries) : plan.rgba;
-    for (std::size_t i = 0; i < plan.entries; ++i)
+    for (std::size_t i = 0; i < count; ++i)
     {
       sums[first + i] = table[i].sum;
       sigma[2 * (first + i)] = table[i].sigma;
       sigma[2 * (first + i) + 1] = table[i].half_slope;
       std::copy(rgba[i], rgba[i] + 4, &colors[4 * (first + i)]);
     }
+  };
+  place(0, plan.table, plan.rgba, plan.entries);
+  if (rows > 0)
+  {
+    place(plan.entries, shading->plane_table, shading->plane_rgba, rows * plan.entries);
+  }
+  for (int k = 0; k < components; ++k)
+  {
+    const chi_plan_component& one = plan.components->more[k];
+    place(FirstEntryOf(plan, k), one.table, one.rgba, static_cast<std::size_t>(one.entries));
   }
   for (std::size_t i = 0; i < plan.entries; ++i)
   {

@@ -8,6 +8,7 @@
 #include "vtkNew.h"
 #include "vtkTextureObject.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -28,6 +29,9 @@ public:
   // False where OpenGL refuses one of them.
   bool Update(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
   void ReleaseGraphicsResources(vtkWindow* window);
+
+  // Place of the table of a component besides the plan's own in the textures of tables.
+  static std::size_t FirstEntryOf(const chi_occlusion_plan& plan, int component);
 
   // Of the samples' texture, in GLSL.
   static const char* SamplerOf(chi_type type);

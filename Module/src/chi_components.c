@@ -117,13 +117,12 @@ chi_status chi_components_classify(const chi_exec* exec, chi_component_set* set,
   return status;
 }
 
-void chi_components_frame(const chi_component_set* set, const chi_components* c, int type,
-  const chi_sample_frame* own, chi_sample_frame* more, chi_component_frame* out)
+void chi_components_prepare(
+  const chi_component_set* set, const chi_components* c, int type, chi_plan_components* out)
 {
   memset(out, 0, sizeof *out);
   out->dependent = c->dependent != 0;
   out->count = c->count - 1;
-  out->more = more;
   for (int k = 0; k < c->count; ++k)
   {
     out->weight[k] = c->dependent ? 1 : (float)c->weight[k];
@@ -131,28 +130,48 @@ void chi_components_frame(const chi_component_set* set, const chi_components* c,
   for (int k = 0; k < out->count; ++k)
   {
     const chi_bricks* const b = &set->bricks[k];
-    more[k] = *own;
-    more[k].scalars = b->scalars;
-    more[k].fetch = b->fetch;
+    chi_plan_component* const more = &out->more[k];
+    more->scalars = b->scalars;
     if (c->dependent && c->count == 4)
     {
       /* no table: the position in it is the colour */
       const double first = -b->copy_offset * b->copy_scale;
       const double scale = 1 / (b->copy_scale * (type == CHI_U8 ? 255 : 1));
-      more[k].base = (float)first;
-      more[k].scale = (float)scale;
-      more[k].offset = (float)(((double)more[k].base - first) * scale);
-      more[k].table_end = 1;
+      more->base = (float)first;
+      more->scale = (float)scale;
+      more->offset = (float)(((double)more->base - first) * scale);
+      more->end = 1;
       continue;
     }
     const chi_classification* const t = &set->classification[k];
-    more[k].base = t->base;
-    more[k].scale = t->scale;
-    more[k].offset = t->offset;
-    more[k].table_end = (float)(t->entries - 1);
-    more[k].sigma = (const chi_sigma_entry*)t->sigma.data;
-    more[k].rgba = (const float(*)[4])t->rgba.data;
-    more[k].quantum = t->quantum;
+    more->base = t->base;
+    more->scale = t->scale;
+    more->offset = t->offset;
+    more->end = (float)(t->entries - 1);
+    more->quantum = t->quantum;
+    more->entries = (int32_t)t->entries;
+    more->table = (const chi_plan_entry*)t->sigma.data;
+    more->rgba = (const float(*)[4])t->rgba.data;
+  }
+}
+
+void chi_components_frame(const chi_component_set* set, const chi_sample_frame* own,
+  chi_sample_frame* more, chi_component_frame* out)
+{
+  out->more = more;
+  for (int k = 0; k < out->plan.count; ++k)
+  {
+    const chi_plan_component* const component = &out->plan.more[k];
+    more[k] = *own;
+    more[k].scalars = component->scalars;
+    more[k].fetch = set->bricks[k].fetch;
+    more[k].base = component->base;
+    more[k].scale = component->scale;
+    more[k].offset = component->offset;
+    more[k].table_end = component->end;
+    more[k].sigma = (const chi_sigma_entry*)component->table;
+    more[k].rgba = component->rgba;
+    more[k].quantum = component->quantum;
   }
 }
 

@@ -38,9 +38,13 @@ chi_status chi_components_build(const chi_exec* exec, chi_component_set* set,
 chi_status chi_components_classify(const chi_exec* exec, chi_component_set* set,
   chi_classification* own, const chi_bricks* bricks, const chi_components* c, int dilate);
 
-/* For the kernels; `more` has room for CHI_MAX_COMPONENTS - 1. */
-void chi_components_frame(const chi_component_set* set, const chi_components* c, int type,
-  const chi_sample_frame* own, chi_sample_frame* more, chi_component_frame* out);
+/* What both engines need of them; `type` is the volume's. */
+void chi_components_prepare(
+  const chi_component_set* set, const chi_components* c, int type, chi_plan_components* out);
+
+/* The same for the kernels, from out->plan; `more` has room for CHI_MAX_COMPONENTS - 1. */
+void chi_components_frame(const chi_component_set* set, const chi_sample_frame* own,
+  chi_sample_frame* more, chi_component_frame* out);
 
 void chi_components_free(const chi_exec* exec, chi_component_set* set);
 

@@ -653,6 +653,7 @@ chi_status chi_occlusion_describe(const chi_exec* exec, chi_occlusion* o,
     const double t1 = chi_seconds();
     o->has_plan = 0;
     ++o->versions[0];
+    o->plan.set = &o->components;
     status = chi_plan_fill(exec, &o->plan, &scene, &o->bricks, &o->classification, frame, drawn);
     o->planned = key;
     o->has_plan = status == CHI_OK;

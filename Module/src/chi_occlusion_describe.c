@@ -3,6 +3,7 @@
 /* A frame in the words of chi_occlusion_plan.h. */
 
 #include "chi_occlusion_describe.h"
+#include "chi_components_internal.h"
 #include "chi_mask_internal.h"
 #include "chi_occlusion_frame.h"
 #include "chi_occlusion_march.h"
@@ -608,6 +609,12 @@ chi_status chi_plan_fill(const chi_exec* exec, chi_plan_keep* keep, const chi_sc
     }
     plan->shading = shaded ? &keep->shading : NULL;
     plan->cut = chi_cut_prepare(&keep->cut, scene, classification->mask) ? &keep->cut : NULL;
+    if (frame->components)
+    {
+      chi_components_prepare(
+        keep->set, frame->components, (int)frame->volume->type, &keep->components);
+      plan->components = &keep->components;
+    }
     plan->labels = classification->mask ? classification->mask->labels : NULL;
     status = chi_for(exec, (slabs + BLOCK - 1) / BLOCK, find_samples, &job);
   }

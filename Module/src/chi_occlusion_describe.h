@@ -48,6 +48,8 @@ typedef struct chi_plan_keep
   chi_occlusion_plan plan;
   chi_plan_shading shading;
   chi_plan_cut cut;
+  chi_plan_components components;
+  const struct chi_component_set* set; /* of chi_occlusion */
   chi_buffer shifts, rects, surface, planes, guide, layers;
 } chi_plan_keep;
 

@@ -385,8 +385,9 @@ static chi_status set_sample_frame(march* m)
   f->components = NULL;
   if (m->frame->components)
   {
-    chi_components_frame(m->keep->components, m->frame->components, (int)m->frame->volume->type, f,
-      m->more, &m->component_frame);
+    chi_components_prepare(m->keep->components, m->frame->components, (int)m->frame->volume->type,
+      &m->component_frame.plan);
+    chi_components_frame(m->keep->components, f, m->more, &m->component_frame);
     f->components = &m->component_frame;
     f->general = 1;
   }

@@ -20,11 +20,11 @@ ivec2 entryPlace(int entry)
   return ivec2(entry % TABLE_WIDTH, entry / TABLE_WIDTH);
 }
 
-// Mean extinction of a segment from position t0 to t1 of the table that begins at an entry; t0 < 0:
-// not known. Eq. 1 of theory/occlusion.md.
-float meanExtinction(int first, float t0, float t1)
+// Mean extinction of a segment from position t0 to t1, 0 ... end, of the table that begins at an
+// entry, in whose quanta sums are; t0 < 0: not known. Eq. 1 of theory/occlusion.md.
+float meanExtinction(int first, int end, float unit, float t0, float t1)
 {
-  int entry = min(int(t1), ENTRIES - 2);
+  int entry = min(int(t1), end - 1);
   float f = t1 - float(entry);
   ivec2 at = entryPlace(first + entry);
   vec2 sigma = texelFetch(sigmaTexture, at, 0).rg;
@@ -33,13 +33,13 @@ float meanExtinction(int first, float t0, float t1)
   {
     return max(sigma.x + (2.0 * f - change) * sigma.y, 0.0);
   }
-  int before = min(int(t0), ENTRIES - 2);
+  int before = min(int(t0), end - 1);
   float g = t0 - float(before);
   ivec2 from = entryPlace(first + before);
   vec2 old = texelFetch(sigmaTexture, from, 0).rg;
   int sums = texelFetch(sumTexture, at, 0).r - texelFetch(sumTexture, from, 0).r;
   float rest = f * (sigma.x + f * sigma.y) - g * (old.x + g * old.y);
-  return max((float(sums) * quantum + rest) / change, 0.0);
+  return max((float(sums) * unit + rest) / change, 0.0);
 }
 
 #if COLOR_PARTS > 0
@@ -156,3 +156,17 @@ vec3 integrateColors(float near, float change, float tau)
   return rgb / max(total, 1e-30);
 }
 #endif
+
+// Colour of a segment between two places of the table that begins at an entry. `seen` is its weight
+// as if nothing lay before this slab: no less is integrated than in the core.
+vec3 colorOf(int first, float t0, float t, float tau, float seen)
+{
+  float change = t0 < 0.0 ? 0.0 : t - t0;
+#if COLOR_PARTS > 0
+  if (abs(change) > colorStep && abs(change) * seen > colorWorth)
+  {
+    return integrateColors(t0, change, tau);
+  }
+#endif
+  return texelFetch(colorTexture, entryPlace(first + int(t - 0.5 * change + 0.5)), 0).rgb;
+}

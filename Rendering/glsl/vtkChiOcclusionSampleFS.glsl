@@ -149,7 +149,17 @@ void main()
       {
         continue;
       }
-      float depth = meanExtinction(first, t0, t) * (fraction * slice);
+      float depth = meanExtinction(first, ENTRIES - 1, quantum, t0, t) * (fraction * slice);
+#if COMPONENTS > 0
+      float own = depth * ray;
+      vec3 rgb = colorOf(first, t0, t, own, through * (1.0 - exp(-own)));
+#if NEAREST
+      float back = place;
+#else
+      float back = place - fraction;
+#endif
+      depth = composeComponents(p + back * q, p + place * q, depth, fraction * slice, rgb);
+#endif
 #if HAS_SHADING
 #if NEAREST
       vec3 middle = p + place * q;
@@ -181,26 +191,14 @@ void main()
       }
       float tau = depth * ray;
       float weight = through * (1.0 - exp(-tau));
-#if HAS_ROWS == 0
-      float change = t0 < 0.0 ? 0.0 : t - t0;
-      vec3 rgb;
-#if COLOR_PARTS > 0
+#if HAS_ROWS == 0 && COMPONENTS == 0
 #if HAS_SHADING
       float seen = through * (1.0 - exp(-whole));
 #else
       float whole = tau;
       float seen = weight;
 #endif
-      // The weight as if nothing lay before this slab: no less is integrated than in the core.
-      if (abs(change) > colorStep && abs(change) * seen > colorWorth)
-      {
-        rgb = integrateColors(t0, change, whole);
-      }
-      else
-#endif
-      {
-        rgb = texelFetch(colorTexture, entryPlace(first + int(t - 0.5 * change + 0.5)), 0).rgb;
-      }
+      vec3 rgb = colorOf(first, t0, t, whole, seen);
 #endif
 #if LAYERS > 0
       weight = blendLayers(vec3(max(near, enter),

@@ -4,6 +4,7 @@
 import unittest
 
 import numpy as np
+from each_engine import InEachEngine, InOpenGL, check_engine, new_mapper
 from occlusion_scene import (
     Messages,
     Scene,
@@ -52,20 +53,8 @@ def cropped(data, flags, mapper, size=100, place=None, planes=PLANES, extra=None
     return scene.pixels()
 
 
-class InEachEngine(unittest.TestCase):
-    """Tests of the CPU engine; classes that inherit them ask for another one."""
-
-    ENGINE = vtkChiCombinedOcclusionVolumeMapper.ENGINE_CPU
-    now = ENGINE  # of mappers that are made
-
-    @classmethod
-    def setUpClass(cls):
-        InEachEngine.now = cls.ENGINE
-
-
 def ours(strength=1.0, step=0.0):
-    mapper = vtkChiCombinedOcclusionVolumeMapper()
-    mapper.SetEngine(InEachEngine.now)
+    mapper = new_mapper()
     mapper.SetOcclusionStrength(strength)
     mapper.SetSampleDistance(step)
     return mapper
@@ -178,7 +167,7 @@ def seen(data, mapper, prop=None, size=100, extra=None, direction=(-0.5, -0.35, 
     scene.renderer.ResetCameraClippingRange(-2.0, 2.0, -2.0, 2.0, -2.0, 2.0)
     pixels = scene.pixels()
     if isinstance(mapper, vtkChiCombinedOcclusionVolumeMapper):
-        assert mapper.GetEngineInUse() in (InEachEngine.now, mapper.ENGINE_AUTO), mapper.GetEngineReason()
+        check_engine(mapper)
         return float_image(mapper), visibility_image(mapper), pixels
     return None, None, pixels
 
@@ -530,10 +519,6 @@ class Blanking(InEachEngine):
         messages = Messages(mapper)
         self.assertGreater(seen(grid, mapper)[0].max(), 0.1)
         self.assertEqual(len([w for w in messages.warnings if "masks and blanking" in w]), 1)
-
-
-class InOpenGL:
-    ENGINE = vtkChiCombinedOcclusionVolumeMapper.ENGINE_OPENGL
 
 
 class RegionsInOpenGL(InOpenGL, Regions):

@@ -159,6 +159,33 @@ typedef struct chi_plan_shading
   int32_t plane_row; /**< as many as the plan's entries */
 } chi_plan_shading;
 
+/** A component besides the plan's own; its samples lie, and are of the type, as the plan's. */
+typedef struct chi_plan_component
+{
+  const void* scalars;
+  float base, scale, offset;   /**< place in its table = (scalar - base) scale + offset */
+  float end;                   /**< last place */
+  float quantum;               /**< of its table's sums */
+  int32_t entries;             /**< of table and rgba, where there are any */
+  const chi_plan_entry* table; /**< null: the place itself is a part of a colour */
+  const float (*rgba)[4];
+} chi_plan_component;
+
+/**
+ * Several components (chi_components.h); the plan's own is the first, or, of dependent ones, the
+ * last. Independent: of a segment the mean extinction of each, and the colour of the middle between
+ * the places at both ends; the plan's own colour as that of a single component. Dependent: colours
+ * of the segment's middle. Where a component that counts is not finite there is nothing. Nearest
+ * samples of all lie where the plan's own does.
+ */
+typedef struct chi_plan_components
+{
+  int32_t dependent, count;         /**< count: of `more` */
+  float weight[CHI_MAX_COMPONENTS]; /**< of independent ones, the plan's own first; 0: it does not
+                                       count */
+  chi_plan_component more[CHI_MAX_COMPONENTS - 1];
+} chi_plan_components;
+
 typedef struct chi_occlusion_plan
 {
   size_t struct_size;
@@ -295,6 +322,8 @@ typedef struct chi_occlusion_plan
   size_t table_entries;  /**< of one table */
   uint64_t mask_version; /**< differs from that of this handle's last plan where cells that are
                             left, or labels, have changed */
+
+  const chi_plan_components* components; /**< NULL: there is one */
 } chi_occlusion_plan;
 
 /** Samples of one slab: rays, and the light planes that they read. */

@@ -48,7 +48,7 @@ CHI_INLINE void components_piece(chi_sample_row* row, sample_piece* piece, int x
   const int fetch, const int nearest)
 {
   const chi_sample_frame* const s = row->frame;
-  const chi_component_frame* const all = s->components;
+  const chi_plan_components* const all = &s->components->plan;
   const vf zero = vf_set(0.0f);
   for (int i = 0; i < count; i += CHI_LANES)
   {
@@ -80,6 +80,10 @@ CHI_INLINE void components_piece(chi_sample_row* row, sample_piece* piece, int x
       fraction = vf_load(piece->fraction + i);
       end = vf_min(zero, vf_load(row->leave + x) - vf_set(row->near_slice + 1.0f));
     }
+    if (nearest && !row->cut)
+    {
+      end -= 0.5f * fraction; /* where the row's own sample lies */
+    }
     vf far[3], near[3], middle[3];
     for (int a = 0; a < 3; ++a)
     {
@@ -90,11 +94,12 @@ CHI_INLINE void components_piece(chi_sample_row* row, sample_piece* piece, int x
     }
     if (all->dependent)
     {
-      /* colours of the middle; labels are those of the segment's end */
+      /* colours of the middle, where samples that are steps lie already */
       vf value[3] = { zero, zero, zero };
       for (int c = 0; c < all->count; ++c)
       {
-        const vf t = fetch_position(all->more + c, nearest ? far : middle, fetch, nearest, want);
+        const vf t =
+          fetch_position(s->components->more + c, nearest ? far : middle, fetch, nearest, want);
         want &= t == t;
         value[c] = vf_select(want, t, zero);
       }
@@ -103,7 +108,7 @@ CHI_INLINE void components_piece(chi_sample_row* row, sample_piece* piece, int x
         int32_t at[CHI_LANES];
         vf color[4];
         vi_store(at, vf_int(value[0] + 0.5f));
-        vf_load_entries(all->more->rgba, at, color);
+        vf_load_entries(s->components->more->rgba, at, color);
         for (int c = 0; c < 3; ++c)
         {
           value[c] = color[c];
@@ -129,7 +134,7 @@ CHI_INLINE void components_piece(chi_sample_row* row, sample_piece* piece, int x
     }
     for (int k = 0; k < all->count; ++k)
     {
-      const chi_sample_frame* const more = all->more + k;
+      const chi_sample_frame* const more = s->components->more + k;
       if (!(all->weight[k + 1] > 0))
       {
         continue;

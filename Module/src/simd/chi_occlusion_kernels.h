@@ -65,11 +65,10 @@ enum
 
 struct chi_sample_frame;
 
-/* The components besides the row's own. */
+/* The components besides the row's own, and where their samples lie. */
 typedef struct chi_component_frame
 {
-  int dependent, count;
-  float weight[4]; /* of independent ones, the row's own first */
+  chi_plan_components plan;
   const struct chi_sample_frame* more;
 } chi_component_frame;
 
