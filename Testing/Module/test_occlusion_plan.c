@@ -250,6 +250,125 @@ static void versions_change_with_what_has_changed(void)
   free_scene(s);
 }
 
+static void regions_are_planes_in_index_units(void)
+{
+  fogged f;
+  make_fogged(&f, 0, 0);
+  CHECK(describe(f.s).cut == NULL);
+  chi_crop_view regions;
+  static const double low[3] = { 5, 6, 7 }, high[3] = { 30, 28, 26 };
+  crop(f.s, &regions, low, high, 0x1234567);
+  const chi_occlusion_plan plan = describe(f.s);
+  CHECK(plan.cut && plan.cut->regions == 0x1234567 && plan.cut->grids == 0 && !plan.cut->whole);
+  CHECK(plan.cut->ahead > 0);
+  for (int k = 0; k < 24; ++k)
+  {
+    const int plane = k / 4, a = plane / 2;
+    const double place = plane & 1 ? high[a] : low[a];
+    const double expected = k % 4 == a ? 1 : k % 4 == 3 ? -place : 0;
+    CHECK_NEAR((double)plan.cut->plane[plane][k % 4], expected, 4e-6); /* a float of 30 */
+  }
+  free_scene(f.s);
+}
+
+/* Bits, tables of voxels, and that they keep their version where only functions change. */
+static void masks_and_labels_are_what_was_given(void)
+{
+  static uint8_t values[N * N * N], cells[(N - 1) * (N - 1) * (N - 1)];
+  static const uint8_t table_of_value[3] = { 1, 0, 2 };
+  for (int i = 0; i < N * N * N; ++i)
+  {
+    values[i] = (uint8_t)(i * 7 % 5); /* 3 and 4 are beyond table_of_value */
+    cells[i % (int)sizeof cells] = (uint8_t)(i % 3 == 0 ? 2 : 5);
+  }
+  fogged f;
+  make_fogged(&f, 0, 0);
+  chi_mask_view mask = { .struct_size = sizeof mask,
+    .values = values,
+    .type = CHI_U8,
+    .stride = 1,
+    .cell_flags = cells,
+    .cell_bits = 2,
+    .version = 1 };
+  f.s->frame.mask = &mask;
+  const chi_occlusion_plan plan = describe(f.s);
+  CHECK(plan.cut && plan.cut->regions == CHI_CROP_ALL_REGIONS && plan.cut->grids == 2);
+  CHECK(!plan.labels && plan.table_entries == plan.entries);
+  for (int k = 0; k < plan.cut->grids; ++k)
+  {
+    const chi_plan_grid* const grid = plan.cut->grid + k;
+    const int voxels = grid->offset > 0, side = voxels ? N : N - 1;
+    CHECK(grid->step_y == side && grid->step_z == side * side && grid->last[2] == side - 1);
+    int differ = 0;
+    for (int n = 0; n < side * side * side; ++n)
+    {
+      const int stays = (int)(grid->bits[n >> 5] >> (n & 31) & 1);
+      differ += stays != (voxels ? values[n] > 0 : !(cells[n] & 2));
+    }
+    CHECK(differ == 0);
+  }
+  f.s->transfer.version = 2;
+  const chi_occlusion_plan edited = describe(f.s);
+  CHECK(edited.mask_version == plan.mask_version && edited.table_version != plan.table_version);
+
+  static float rgb[9 * ENTRIES], opacity[3 * ENTRIES];
+  f.s->transfer.rgb = rgb;
+  f.s->transfer.opacity = opacity;
+  f.s->transfer.table_count = 3;
+  mask.table_of_value = table_of_value;
+  mask.value_count = 3;
+  mask.cell_flags = NULL;
+  const chi_occlusion_plan labelled = describe(f.s);
+  CHECK(labelled.mask_version != plan.mask_version && !labelled.cut && labelled.labels);
+  CHECK(labelled.table_entries == ENTRIES && labelled.entries == 3 * ENTRIES);
+  int differ = 0;
+  for (int i = 0; labelled.labels && i < N * N * N; ++i)
+  {
+    differ += labelled.labels[i] != (values[i] < 3 ? table_of_value[values[i]] : 0);
+  }
+  CHECK(differ == 0);
+  free_scene(f.s);
+}
+
+/* Components come apart, each with its place in its own table. */
+static void components_have_samples_and_tables_of_their_own(void)
+{
+  static float both[2 * N * N * N];
+  for (int i = 0; i < N * N * N; ++i)
+  {
+    both[2 * i] = (float)(i % 101) / 101;
+    both[2 * i + 1] = (float)(i % 37);
+  }
+  fogged f;
+  make_fogged(&f, 0, 0);
+  chi_transfer_view second = f.s->transfer;
+  second.range[1] = 36;
+  second.count = ENTRIES / 2;
+  const chi_components components = {
+    .struct_size = sizeof components, .count = 2, .transfer = { &second }, .weight = { 1, 0.25 }
+  };
+  CHECK(!describe(f.s).components);
+  f.s->frame.components = &components;
+  f.s->volume.scalars = both;
+  f.s->volume.stride = 2 * sizeof(float);
+  const chi_occlusion_plan plan = describe(f.s);
+  CHECK(plan.components && plan.components->count == 1 && !plan.components->dependent);
+  CHECK(plan.components->weight[0] == 1 && plan.components->weight[1] == 0.25f);
+  const chi_plan_component* const more = plan.components->more;
+  CHECK(more->entries == ENTRIES / 2 && more->end == ENTRIES / 2 - 1 && more->table && more->rgba);
+  int differ = 0;
+  for (int i = 0; i < N * N * N; ++i)
+  {
+    const double own = (double)((const float*)plan.scalars)[i];
+    const double other = (double)((const float*)more->scalars)[i];
+    const double place = (other - (double)more->base) * (double)more->scale + (double)more->offset;
+    differ += own != (double)both[2 * i];
+    differ += fabs(place - (double)both[2 * i + 1] / 36 * (ENTRIES / 2 - 1)) > 1e-4; /* floats */
+  }
+  CHECK(differ == 0);
+  free_scene(f.s);
+}
+
 /* A frame with one feature, by its bit; 0: none, though it comes near. */
 static void features_are_those_of_the_frame(void)
 {
@@ -336,6 +455,9 @@ int main(void)
   a_plan_carried_out_is_the_picture();
   rectangles_leave_nothing_out();
   versions_change_with_what_has_changed();
+  regions_are_planes_in_index_units();
+  masks_and_labels_are_what_was_given();
+  components_have_samples_and_tables_of_their_own();
   features_are_those_of_the_frame();
   what_cannot_be_drawn_cannot_be_described();
   return chi_test_report();

@@ -4,9 +4,9 @@
 import unittest
 
 import numpy as np
-from engine_agreement import CPU, N, OPENGL, Agreement, render, tubes
+from engine_agreement import CPU, N, OPENGL, Agreement, tubes, veiled_tubes
 from occlusion_components import interleaved, property_of, waves
-from occlusion_scene import Messages, Scene, image, square
+from occlusion_scene import Messages, Scene, image
 from vtkmodules.vtkCommonDataModel import vtkPiecewiseFunction
 
 from chiaroscuro.vtkChiRendering import vtkChiCombinedOcclusionVolumeMapper
@@ -55,15 +55,6 @@ def uneven(mapper):
     mapper.SetCroppingRegionFlags(0x1234567)
     mapper.SetMaskTypeToBinary()
     mapper.SetMaskInput(image(((x + 0.5 * y < 0.5) & (z - 0.3 * x > -0.7)).astype(np.uint8)))
-
-
-def veils(scene):
-    """The opaque things, and translucent ones through the volume."""
-    tubes(scene)
-    for z in (-0.31, 0.02, 0.3):
-        veil = square(0.8, z, color=(0.3, 0.9, 0.5))
-        veil.GetProperty().SetOpacity(0.4)
-        scene.renderer.AddActor(veil)
 
 
 class Components(Agreement):
@@ -125,7 +116,7 @@ class Components(Agreement):
     def test_cuts_and_translucent_layers(self):
         for nearest in (False, True):
             for content in (fields(3, nearest=nearest), fields(4, dependent=True, nearest=nearest)):
-                self.check(content, setup=uneven, geometry=veils, darkens=False, without={"setup": lambda mapper: None})
+                self.check(content, setup=uneven, geometry=veiled_tubes, darkens=False, without={"setup": lambda mapper: None})
 
     def test_slices_closer_and_wider_than_a_voxel_and_without_skipping(self):
         for factor in (0.3, 1.7):

@@ -4,8 +4,9 @@
 import unittest
 
 import numpy as np
-from engine_agreement import CPU, N, OPENGL, Agreement, fog, render, shells, soft_ball, tubes
-from occlusion_scene import Scene, ball, cube, image, square, volume_property
+from engine_agreement import CPU, N, OPENGL, Agreement, fog, render, shells, soft_ball, tubes, veiled_tubes
+from engine_contents import lit, nearest
+from occlusion_scene import Scene, ball, cube, image, volume_property
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes, vtkPiecewiseFunction, vtkPlane, vtkUniformGrid
 from vtkmodules.vtkRenderingCore import vtkColorTransferFunction
@@ -34,46 +35,11 @@ def no_setup(mapper):
     """What `without` takes to leave a setup out."""
 
 
-def nearest(content):
-    """The same with nearest samples."""
-
-    def make():
-        data, prop = content()
-        prop.SetInterpolationTypeToNearest()
-        return data, prop
-
-    return make
-
-
-def shaded(content):
-    """The same, shaded by gradients."""
-
-    def make():
-        data, prop = content()
-        prop.ShadeOn()
-        prop.SetAmbient(0.2)
-        prop.SetDiffuse(0.7)
-        prop.SetSpecular(0.5)
-        prop.SetSpecularPower(12.0)
-        return data, prop
-
-    return make
-
-
 def cells():
     """A turned grid of cells."""
     data = image(ball(N, soft=0.4), (0.06, 0.05, 0.07), cells=True)
     data.SetDirectionMatrix(0.8, 0.6, 0, -0.6, 0.8, 0, 0, 0, 1)
     return data, volume_property(1.0, 0.4, 0.1)
-
-
-def veils(scene):
-    """The opaque things, and translucent ones through the volume."""
-    tubes(scene)
-    for z in (-0.31, 0.02, 0.3):
-        veil = square(0.8, z, color=(0.3, 0.9, 0.5))
-        veil.GetProperty().SetOpacity(0.4)
-        scene.renderer.AddActor(veil)
 
 
 class Cuts(Agreement):
@@ -129,7 +95,7 @@ class Cropping(Cuts):
             plane.SetOrigin(0.1, 0.0, 0.3)
             mapper.AddClippingPlane(plane)
 
-        for content in (shells, shaded(soft_ball), nearest(shaded(soft_ball))):
+        for content in (shells, lit(soft_ball), nearest(lit(soft_ball))):
             self.check_cut(content, crop(SETS["some"], more=clip), uncut=clip)
 
     def test_slices_closer_and_wider_than_a_voxel_and_without_skipping(self):
@@ -141,7 +107,7 @@ class Cropping(Cuts):
 
     def test_with_translucent_layers(self):
         for parallel in (False, True):
-            self.check_cut(fog, crop(SETS["some"]), geometry=veils, parallel=parallel)
+            self.check_cut(fog, crop(SETS["some"]), geometry=veiled_tubes, parallel=parallel)
 
 
 def wedge(shape=(N, N, N)):
@@ -233,8 +199,8 @@ class Masks(Cuts):
             )
 
     def test_shading_gradients_and_translucent_layers(self):
-        for content in (shaded(fog), shaded(soft_ball), nearest(shaded(soft_ball))):
-            self.check_cut(content, mask(wedge()), geometry=veils)
+        for content in (lit(fog), lit(soft_ball), nearest(lit(soft_ball))):
+            self.check_cut(content, mask(wedge()), geometry=veiled_tubes)
 
     def test_slices_closer_and_wider_than_a_voxel_and_without_skipping(self):
         """Wider than two, both engines miss the same voxels."""
@@ -311,7 +277,7 @@ class Labels(Cuts):
                         self.check_cut(labelled(), labels(values), parallel=parallel, geometry=geometry)
 
     def test_nearest_samples_shading_and_the_blend_factor(self):
-        for content in (nearest(labelled()), shaded(labelled()), nearest(shaded(labelled()))):
+        for content in (nearest(labelled()), lit(labelled()), nearest(lit(labelled()))):
             self.check_cut(content, labels(ORGANS))
         self.check_cut(labelled(), labels(ORGANS, factor=0.5), uncut=labels(ORGANS, factor=0.0))
 
