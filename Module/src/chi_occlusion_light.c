@@ -131,11 +131,14 @@ static void light_piece(march* m, chi_light_field* f, float factor, int64_t slab
   repeat_ends(m, k, seen);
   *target_tile = *seen_tile = TILE_MIXED;
   const int inside = s->light_width - x;
-  if (s->published && inside < CHI_SEGMENT)
+  if (inside < CHI_SEGMENT)
   {
-    /* Beyond the rim all light arrives. A blur would bring back what has left the picture there;
-     * the light of one direction does not turn round. */
-    chi_fill_ones(target + inside, CHI_SEGMENT - inside);
+    /* Beyond the rim all light arrives: neither what lies there, which the other rims do not know,
+     * nor what has left the picture may come back. */
+    for (int d = 0; d < planes; ++d)
+    {
+      chi_fill_ones(target + (size_t)d * m->light_stride + inside, CHI_SEGMENT - inside);
+    }
   }
   else if (skips && dark)
   {

@@ -220,4 +220,9 @@ void chi_march_sample_row(march* m, int64_t slab, int64_t y, int band, chi_sampl
       cx = end;
     }
   }
+  if (s->width % s->scale)
+  {
+    row->tau[s->width] =
+      0; /* half a light pixel outside: clear, as the row above an odd height is */
+  }
 }

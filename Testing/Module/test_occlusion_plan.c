@@ -75,7 +75,7 @@ static double* draw(const chi_occlusion_plan* plan, int everywhere)
 static double largest_difference(const double* executed, const chi_occlusion_image* image)
 {
   double most = 0;
-  for (int i = 0; i < PIXELS; ++i)
+  for (int i = 0; i < image->width * image->height; ++i)
   {
     const double* const pixel = executed + EXECUTED_CHANNELS * i;
     for (int c = 0; c < 3; ++c)
@@ -86,6 +86,18 @@ static double largest_difference(const double* executed, const chi_occlusion_ima
     most = fmax(most, fabs(pixel[4] - (double)image->visibility[i]));
   }
   return most;
+}
+
+/*
+ * Positions are floats of up to 40 voxels, 4e-6; the steepest opacity is 1.6 a voxel, on the way of
+ * the eye and of the light; sums of some 100 floats of up to 1 add 1e-5. In perspective the
+ * engine's path lengths are linear over h = 31 light pixels, through Gauss's points: off by h^2 /
+ * 12 at most, as |L''| <= 1; V = exp(-tau L) by no more than that over e.
+ */
+static double rounding(const chi_occlusion_plan* plan)
+{
+  const double h = 31 * plan->light_scale * fmax(fabs(plan->slope_dx), fabs(plan->slope_dy));
+  return 1e-4 + h * h / 12 / exp(1);
 }
 
 static void a_plan_carried_out_is_the_picture(void)
@@ -104,12 +116,7 @@ static void a_plan_carried_out_is_the_picture(void)
     const chi_occlusion_plan plan = describe(f.s);
     const chi_occlusion_image image = render(f.s);
     double* const executed = draw(&plan, 0);
-    /* Positions are floats of up to 40 voxels, 4e-6; the steepest opacity is 1.6 a voxel, on the
-     * way of the eye and of the light; sums of some 100 floats of up to 1 add 1e-5. In perspective
-     * the engine's path lengths are linear over h = 31 light pixels, through Gauss's points: off by
-     * h^2 / 12 at most, as |L''| <= 1; V = exp(-tau L) by no more than that over e. */
-    const double h = 31 * plan.light_scale * fmax(fabs(plan.slope_dx), fabs(plan.slope_dy));
-    CHECK(largest_difference(executed, &image) < 1e-4 + h * h / 12 / exp(1));
+    CHECK(largest_difference(executed, &image) < rounding(&plan));
     double darkest = 1, most = 0;
     for (int i = 0; i < PIXELS; ++i)
     {
@@ -117,6 +124,37 @@ static void a_plan_carried_out_is_the_picture(void)
       most = fmax(most, (double)image.rgba[4 * i + 3]);
     }
     CHECK(most > 0.9 && (!surface || darkest < 0.5)); /* there is something to compare */
+    free(executed);
+    free_scene(f.s);
+  }
+}
+
+/* Pieces of 32 light pixels, and of 16 pixels, end beyond the rim: what they have there is no
+ * light's business. */
+static void what_lies_beyond_the_rim_blocks_no_light(void)
+{
+  for (int k = 0; k < 8; ++k)
+  {
+    fogged f;
+    make_fogged(&f, k & 1, 0);
+    f.s->params.half_size = k >> 1 & 1;
+    f.s->params.method = k >> 2 ? CHI_OCCLUSION_PUBLISHED : CHI_OCCLUSION_ORDINATES;
+    f.s->params.light_direction[0] = 0.5; /* from the right, where these pieces are */
+    f.s->params.light_direction[2] = 1;
+    f.s->camera.width = 67;
+    f.s->camera.height = 61;
+    for (int i = 0; i < 4; ++i)
+    {
+      f.s->camera.window[i] *= 0.3; /* the volume goes on to all sides */
+    }
+    const chi_occlusion_plan plan = describe(f.s);
+    const chi_occlusion_image image = render(f.s);
+    double* const executed = draw(&plan, 0);
+    CHECK(largest_difference(executed, &image) < rounding(&plan));
+    for (int corner = 0; corner < 4; ++corner)
+    {
+      CHECK(image.rgba[4 * (66 * (corner & 1) + 67 * 60 * (corner >> 1)) + 3] > 0.1f);
+    }
     free(executed);
     free_scene(f.s);
   }
@@ -453,6 +491,7 @@ static void what_cannot_be_drawn_cannot_be_described(void)
 int main(void)
 {
   a_plan_carried_out_is_the_picture();
+  what_lies_beyond_the_rim_blocks_no_light();
   rectangles_leave_nothing_out();
   versions_change_with_what_has_changed();
   regions_are_planes_in_index_units();
