@@ -120,7 +120,7 @@ void findCrossings(vec3 far, vec3 step, float begin, out float t[CROSSINGS])
 // Parts of a segment, 0 at its near slice, 1 at the far one.
 struct Left
 {
-  float length;
+  float fraction;
   float run; // where the last part without a gap begins and ends
   float stop;
   bool before; // something is left where it was looked at first
@@ -133,7 +133,7 @@ Left cutSegment(vec3 far, vec3 step, float begin, float start, float end)
   if (!mayCross(far + (begin - 1.0) * step, far + (end - 1.0) * step))
   {
     left.before = isKept(far + (end - 1.0) * step);
-    left.length = left.before ? max(end - start, 0.0) : 0.0;
+    left.fraction = left.before ? max(end - start, 0.0) : 0.0;
     return left;
   }
   float t[CROSSINGS];
@@ -149,7 +149,7 @@ Left cutSegment(vec3 far, vec3 step, float begin, float start, float end)
     }
     bool kept = isKept(far + (0.5 * (low + high) - 1.0) * step);
     left.before = left.before || (kept && part == 0);
-    left.length += kept ? max(high - max(low, start), 0.0) : 0.0;
+    left.fraction += kept ? max(high - max(low, start), 0.0) : 0.0;
     left.run = kept && !open ? max(low, start) : left.run;
     left.stop = kept && high > start ? high : left.stop;
     open = kept;

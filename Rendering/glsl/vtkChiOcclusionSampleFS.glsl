@@ -105,7 +105,7 @@ void main()
 #if HAS_REGIONS || GRIDS > 0
       Left left = cutSegment(p + (near + 1.0) * q, q, entering ? start - near : -cutAhead,
         start - near, stop - near);
-      if (!(left.length > 0.0))
+      if (!(left.fraction > 0.0))
       {
         before = -1.0;
         known = true;
@@ -114,7 +114,7 @@ void main()
       entering = entering || !left.before;
       start = near + left.run;
       stop = near + left.stop;
-      fraction = left.length;
+      fraction = left.fraction;
 #endif
 #if NEAREST
       float place = 0.5 * (start + stop); // the middle's label is the segment's
