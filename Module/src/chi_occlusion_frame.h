@@ -25,4 +25,7 @@ typedef struct chi_own_frame
  * as it says. 0 where one of them is not to be understood. Points into itself: not to be copied. */
 int chi_frame_adopt(chi_own_frame* own, const chi_occlusion_frame* given);
 
+/* Adopts a frame, and says whether all of it is valid (chi_occlusion_check.c). */
+chi_status chi_frame_check(chi_own_frame* own, const chi_occlusion_frame* given);
+
 #endif
