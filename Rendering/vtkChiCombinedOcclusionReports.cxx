@@ -333,6 +333,7 @@ void vtkChiCombinedOcclusionVolumeMapper::PrintSelf(ostream& os, vtkIndent inden
   os << indent << "Dither: " << this->Dither << "\n";
   os << indent << "Skipping: " << this->Skipping << "\n";
   os << indent << "SkippingMask: " << this->SkippingMask << "\n";
+  os << indent << "ImageReduction: " << this->ImageReduction << "\n";
   os << indent << "AutoAdjustQuality: " << this->AutoAdjustQuality << "\n";
   os << indent << "InteractiveUpdateRate: " << this->InteractiveUpdateRate << "\n";
   os << indent << "SelectionOpacity: " << this->SelectionOpacity << "\n";

@@ -389,6 +389,7 @@ void vtkChiCombinedOcclusionVolumeMapper::CollectQuality(double seconds)
   Internals& in = *this->Internal;
   in.Used = vtkChiQuality::Settings();
   in.Used.Directions = in.Params.directions;
+  in.Used.ImageReduction = this->ImageReduction;
   if (in.Interactive)
   {
     in.Used = in.Quality.Choose(in.Used, seconds);

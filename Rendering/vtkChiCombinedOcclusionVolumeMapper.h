@@ -534,6 +534,16 @@ public:
 
   ///@{
   /**
+   * Pixels of the viewport a pixel computed, in both directions, 1 to 4: the picture is enlarged
+   * along the edges of the geometry, which itself is drawn in full. Interactive frames may take
+   * more (AutoAdjustQuality). As vtkGPUVolumeRayCastMapper's ImageSampleDistance. Default 1.
+   */
+  vtkSetClampMacro(ImageReduction, int, 1, 4);
+  vtkGetMacro(ImageReduction, int);
+  ///@}
+
+  ///@{
+  /**
    * Draw what fits into the time that VTK allots (vtkProp::GetAllocatedRenderTime, from
    * vtkRenderWindow::SetDesiredUpdateRate) in interactive frames: fewer directions, wider slices, a
    * picture of half the size or less, enlarged along the edges of the geometry, which itself is
@@ -712,6 +722,7 @@ protected:
   bool Dither = false;
   bool Skipping = true;
   int SkippingMask = SKIP_EVERY_KIND;
+  int ImageReduction = 1;
   bool AutoAdjustQuality = true;
   double InteractiveUpdateRate = 1.0;
   double SelectionOpacity = 1.0 / 255.0;

@@ -108,6 +108,22 @@ class Interaction(unittest.TestCase):
         scene.window.Render()
         self.assertEqual(mapper.GetUsedImageReduction(), 4)
 
+    def test_a_reduction_that_is_asked_for_is_kept(self):
+        scene, _, mapper = build("fog", 96)
+        full = scene.pixels()
+        mapper.SetImageReduction(3)
+        reduced = scene.pixels()
+        self.assertEqual(used(mapper)[::2], (16, 3))
+        # of a fog as smooth as this one a ninth of the pixels says nearly all, and not all
+        self.assertLessEqual(255.0 * np.abs(reduced - full).mean(), 2.0)
+        self.assertGreater(np.abs(reduced - full).max(), 0.0)
+        scene.window.SetDesiredUpdateRate(FASTEST)
+        scene.window.Render()
+        self.assertEqual(mapper.GetUsedImageReduction(), 4)
+        for given, kept in ((0, 1), (9, 4)):
+            mapper.SetImageReduction(given)
+            self.assertEqual(mapper.GetImageReduction(), kept)
+
     def test_a_machine_that_is_fast_enough_draws_in_full(self):
         scene, _, mapper = build("fog", 64)
         scene.window.SetDesiredUpdateRate(STILL)
