@@ -326,7 +326,8 @@ typedef struct chi_march
   float crossing_transmittance;
   const struct chi_component_set* components; /* with frame->components */
   chi_buffer planes; /* float, picture-sized state; see chi_occlusion_march.c */
-  chi_buffer cells, last_slab, live, live_row, sampled, done, order, reach, steps, ranges, touched, scratch;
+  chi_buffer cells, last_slab, live, live_row, sampled, done, order, reach, steps, last_served,
+    touched, scratch;
   chi_buffer layers, layer_flags; /* see chi_layers.c */
   chi_light_field field[2][3];    /* for the volume, for geometry; [channels] */
   chi_buffer tint;                /* float; see chi_occlusion_march.h */

@@ -321,7 +321,7 @@ chi_status chi_march_run(const chi_exec* exec, chi_march* keep, const chi_scene*
       picture(&m, BLOCK_BEGIN, 0), picture(&m, BLOCK_END, 0));
     if (status == CHI_OK)
     {
-      status = chi_for(exec, (size_t)scene->light_height, chi_march_gather_ranges, &m);
+      status = chi_for(exec, (size_t)scene->light_height, chi_march_gather_touched, &m);
     }
   }
   if (status == CHI_OK && m.layers)
@@ -399,7 +399,8 @@ void chi_march_free(const chi_exec* exec, chi_march* keep)
 {
   chi_buffer* const all[] = { &keep->planes, &keep->cells, &keep->last_slab, &keep->live,
     &keep->live_row, &keep->sampled, &keep->done, &keep->order, &keep->reach, &keep->steps,
-    &keep->ranges, &keep->touched, &keep->scratch, &keep->layers, &keep->layer_flags, &keep->tint };
+    &keep->last_served, &keep->touched, &keep->scratch, &keep->layers, &keep->layer_flags,
+    &keep->tint };
   for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
   {
     chi_buffer_free(exec, all[i]);

@@ -113,9 +113,9 @@ typedef struct march
   uint8_t* tau_flag;       /* [light rows][segments] */
   uint8_t* tau_stale;      /* [2][rows] the row holds the thickness of an earlier slab */
   uint8_t* need;           /* [bands][segments] */
-  float* ranges; /* [light rows][segments][4]: blocker begin, end; receiver first, last step */
-  uint64_t (*touched)[2]; /* [light rows][segments] bits, of slab >> touched_shift: a surface may
-                             block in it, and it may serve one */
+  int64_t* last_served;    /* [light rows][segments] step that lights the last surface; -1: none */
+  uint64_t (*touched)[2];  /* [light rows][segments] bits, of slab >> touched_shift: a surface may
+                              block in it, and it may serve one */
   int touched_shift;
   double* reach;           /* [slabs + 1] light pixels that light can have moved */
   ptrdiff_t* step_offset;  /* [slabs][directions] shift of one slab */
@@ -229,9 +229,9 @@ void chi_march_classify_blocks(void* data, size_t begin, size_t end);
 void chi_march_band_rows(const march* m, int band, int64_t rows[2]);
 void chi_march_last_slab(const march* m, int band, int segment, int64_t last[2]);
 
-/* chi_occlusion_receivers.c; gather_ranges and light_rest are bodies of parallel loops over light
+/* chi_occlusion_receivers.c; gather_touched and light_rest are bodies of parallel loops over light
  * rows, and over rows */
-void chi_march_gather_ranges(void* data, size_t begin, size_t end);
+void chi_march_gather_touched(void* data, size_t begin, size_t end);
 double chi_march_receiver_plane(const chi_scene* s, double slices);
 int chi_march_block_light(const march* m, int64_t slab, int64_t by, int segment, float* out);
 void chi_march_light_surfaces(const march* m, int64_t step, int64_t by);

@@ -251,7 +251,7 @@ static chi_status reserve(march* m)
     !chi_buffer_reserve(exec, &keep->order, blocks * bands + 1, 2 * sizeof(int64_t)) ||
     !chi_buffer_reserve(exec, &keep->reach, slabs + 1, sizeof(double)) ||
     !chi_buffer_reserve(exec, &keep->steps, slabs * directions + 1, step_bytes) ||
-    !chi_buffer_reserve(exec, &keep->ranges, light_rows * segments, 4 * sizeof(float)) ||
+    !chi_buffer_reserve(exec, &keep->last_served, light_rows * segments, sizeof(int64_t)) ||
     !chi_buffer_reserve(exec, &keep->touched, light_rows * segments, 2 * sizeof(uint64_t)) ||
     (s->channels > 1 &&
       !chi_buffer_reserve(exec, &keep->tint, channels * m->plane + 64, sizeof(float))))
@@ -274,7 +274,7 @@ static chi_status reserve(march* m)
   m->reach = (double*)keep->reach.data;
   m->step_offset = (ptrdiff_t*)keep->steps.data;
   m->step_weight = (float(*)[4])(void*)(m->step_offset + slabs * directions);
-  m->ranges = (float*)keep->ranges.data;
+  m->last_served = (int64_t*)keep->last_served.data;
   m->touched = (uint64_t(*)[2])keep->touched.data;
   m->tint = (float*)keep->tint.data;
   memset(keep->done.data, 0, blocks * bands);

@@ -13,10 +13,16 @@ double chi_march_receiver_plane(const chi_scene* s, double slices)
   return slices / (double)s->group - s->bias - 0.5;
 }
 
-/* The step that serves this depth: its plane rounded down, and 2. */
-static float serving_step(const chi_scene* s, float slices)
+/* The step that serves this depth: its plane rounded down, and 2; the number of slabs: none does.
+ */
+static int64_t serving_step(const march* m, float slices)
 {
-  return (float)(floor(chi_march_receiver_plane(s, (double)slices)) + 2);
+  const double plane = chi_march_receiver_plane(m->scene, (double)slices);
+  if (plane < 0)
+  {
+    return plane >= -1;
+  }
+  return plane < (double)(m->scene->slabs - 2) ? (int64_t)plane + 2 : m->scene->slabs;
 }
 
 enum
@@ -45,7 +51,7 @@ static int touches(const march* m, int kind, int64_t slab, int64_t by, int segme
   return (int)(m->touched[by * m->segments + segment][kind] >> part_of(m, slab) & 1);
 }
 
-void chi_march_gather_ranges(void* data, size_t begin, size_t end)
+void chi_march_gather_touched(void* data, size_t begin, size_t end)
 {
   const march* const m = (const march*)data;
   const chi_scene* const s = m->scene;
@@ -53,42 +59,31 @@ void chi_march_gather_ranges(void* data, size_t begin, size_t end)
   {
     for (int segment = 0; segment < m->segments; ++segment)
     {
-      float* const range = m->ranges + 4 * (by * (size_t)m->segments + (size_t)segment);
-      uint64_t* const touched = m->touched[by * (size_t)m->segments + (size_t)segment];
+      const size_t piece = by * (size_t)m->segments + (size_t)segment;
+      uint64_t* const touched = m->touched[piece];
       touched[BLOCKS] = touched[SERVES] = 0;
-      float first = INFINITY, last = -INFINITY, nearest = INFINITY, farthest = -INFINITY;
+      float farthest = -INFINITY;
       for (int64_t y = (int64_t)by * s->scale; y < (int64_t)(by + 1) * s->scale && y < s->height;
            ++y)
       {
-        const float* const blocks = picture(m, BLOCK_BEGIN, y);
-        const float* const ends = picture(m, BLOCK_END, y);
+        const float* const begin_row = picture(m, BLOCK_BEGIN, y);
+        const float* const end_row = picture(m, BLOCK_END, y);
         const float* const depth = picture(m, RECEIVER, y);
         const int64_t x0 = (int64_t)segment * CHI_SEGMENT * s->scale;
         for (int64_t x = x0; x < x0 + CHI_SEGMENT * s->scale && x < s->width; ++x)
         {
-          const float block_end = blocks[x] < INFINITY ? ends[x] : -INFINITY;
-          const float deep = depth[x] < INFINITY ? depth[x] : -INFINITY;
-          first = blocks[x] < first ? blocks[x] : first;
-          last = block_end > last ? block_end : last;
-          nearest = depth[x] < nearest ? depth[x] : nearest;
-          farthest = deep > farthest ? deep : farthest;
-          if (blocks[x] < INFINITY)
+          if (begin_row[x] < INFINITY)
           {
-            touched[BLOCKS] |= parts_of(m, blocks[x], ends[x]);
+            touched[BLOCKS] |= parts_of(m, begin_row[x], end_row[x]);
           }
           if (depth[x] < INFINITY)
           {
-            const double plane = chi_march_receiver_plane(s, (double)depth[x]);
-            const double served = plane < (double)s->slabs ? plane : (double)s->slabs;
-            touched[SERVES] |= (uint64_t)1
-              << part_of(m, (int64_t)(served > -2 ? served + 4 : 2) - 2);
+            touched[SERVES] |= (uint64_t)1 << part_of(m, serving_step(m, depth[x]));
+            farthest = depth[x] > farthest ? depth[x] : farthest;
           }
         }
       }
-      range[0] = first;
-      range[1] = last;
-      range[2] = nearest < INFINITY ? serving_step(s, nearest) : INFINITY;
-      range[3] = nearest < INFINITY ? serving_step(s, farthest) : -INFINITY;
+      m->last_served[piece] = farthest > -INFINITY ? serving_step(m, farthest) : -1;
     }
   }
 }
@@ -122,9 +117,7 @@ static void block_pixels(
 int chi_march_block_light(const march* m, int64_t slab, int64_t by, int segment, float* out)
 {
   const chi_scene* const s = m->scene;
-  const float* const range = m->ranges + 4 * ((size_t)by * (size_t)m->segments + (size_t)segment);
-  if (!m->frame->surface || !(range[0] < (float)(slab + 1)) || !(range[1] >= (float)slab) ||
-    !touches(m, BLOCKS, slab, by, segment))
+  if (!m->frame->surface || !touches(m, BLOCKS, slab, by, segment))
   {
     return 0;
   }
@@ -137,14 +130,16 @@ int chi_march_block_light(const march* m, int64_t slab, int64_t by, int segment,
     block_pixels(m, picture(m, BLOCK_BEGIN, y) + x0, picture(m, BLOCK_END, y) + x0, (float)slab,
       (int)(left < pixels ? left : pixels), blocked[k]);
   }
+  int any = 0;
   for (int i = 0; i < CHI_SEGMENT; ++i)
   {
     out[i] = s->scale == 1 ? 1 - blocked[0][i]
                            : 1 -
         0.25f *
           (blocked[0][2 * i] + blocked[0][2 * i + 1] + blocked[1][2 * i] + blocked[1][2 * i + 1]);
+    any |= out[i] < 1;
   }
-  return 1;
+  return any;
 }
 
 /* Mean visibility at a place of a light plane, bilinear; x and y in light pixels from a centre. */
@@ -256,9 +251,7 @@ void chi_march_light_surfaces(const march* m, int64_t step, int64_t by)
   const float low = (float)(first - margin), high = (float)(first + (double)s->group + margin);
   for (int segment = 0; segment < m->segments; ++segment)
   {
-    const float* const range = m->ranges + 4 * ((size_t)by * (size_t)m->segments + (size_t)segment);
-    if (!(range[2] <= (float)step) || !(range[3] >= (float)step) ||
-      !touches(m, SERVES, step, by, segment))
+    if (!touches(m, SERVES, step, by, segment))
     {
       continue;
     }
@@ -274,7 +267,7 @@ void chi_march_light_surfaces(const march* m, int64_t step, int64_t by)
       for (int64_t x = x0; any && x < x0 + CHI_SEGMENT * s->scale && x < s->width; ++x)
       {
         const double plane = chi_march_receiver_plane(s, (double)depth[x]);
-        if (plane >= (double)(step - 2) && plane < (double)(step - 1)) /* as serving_step */
+        if (plane >= (double)(step - 2) && plane < (double)(step - 1)) /* serving_step */
         {
           light_surface(m, y, x);
         }

@@ -216,9 +216,8 @@ void chi_march_last_slab(const march* m, int band, int segment, int64_t last[2])
   last[0] = last[1] = -1;
   for (int64_t y = rows[0]; y < rows[1] && m->frame->surface; ++y)
   {
-    const float step = m->ranges[4 * ((size_t)y * (size_t)m->segments + (size_t)segment) + 3];
-    const int64_t slab = step < (float)s->slabs ? (int64_t)fmaxf(step, -1) : s->slabs;
-    last[1] = slab > last[1] ? slab : last[1];
+    const int64_t step = m->last_served[y * m->segments + segment];
+    last[1] = step > last[1] ? step : last[1];
   }
   for (int64_t y = rows[0]; y < rows[1] && m->layers; ++y)
   {
