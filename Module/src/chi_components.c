@@ -169,7 +169,7 @@ void chi_components_frame(const chi_component_set* set, const chi_sample_frame* 
     more[k].scale = component->scale;
     more[k].offset = component->offset;
     more[k].table_end = component->end;
-    more[k].sigma = (const chi_sigma_entry*)component->table;
+    more[k].sigma = component->table;
     more[k].rgba = component->rgba;
     more[k].quantum = component->quantum;
   }

@@ -51,7 +51,7 @@ void chi_bricks_free(const chi_exec* exec, chi_bricks* bricks);
 /* A transfer function of two quantities; none where its counts are 0. */
 typedef struct chi_transfer_plane
 {
-  chi_buffer sigma; /* chi_sigma_entry [count y][count x], sums along x */
+  chi_buffer sigma; /* chi_plan_entry [count y][count x], sums along x */
   chi_buffer rgba;  /* float [count y][count x][4] */
   chi_buffer bound; /* float: the largest opacity of every column, and white */
   size_t count[2];
@@ -80,9 +80,9 @@ typedef struct chi_mask
 /* Stage 2: what the transfer function makes of scalars, and which bricks it leaves visible. */
 typedef struct chi_classification
 {
-  chi_buffer sigma;  /* chi_sigma_entry [entries] */
+  chi_buffer sigma;  /* chi_plan_entry [entries] */
   chi_buffer rgba;   /* float [entries][4] */
-  chi_buffer colors; /* chi_color_entry [entries] */
+  chi_buffer colors; /* chi_plan_color [entries] */
   size_t entries;    /* of all tables */
   size_t tables, table_entries;
   float quantum, base, scale, offset; /* see chi_sample_frame */

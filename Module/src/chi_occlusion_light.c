@@ -100,11 +100,11 @@ static void light_piece(march* m, chi_light_field* f, float factor, int64_t slab
     *target_tile = *seen_tile = (uint8_t)source;
     return;
   }
+  const int left = s->light_width - x, inside = left < CHI_SEGMENT ? left : CHI_SEGMENT;
   float length[CHI_MAX_ORDINATES], length_x[CHI_MAX_ORDINATES];
   if (has_tau)
   {
     const float axis[2] = { (float)s->light[0].slope[0], (float)s->light[0].slope[1] };
-    const int inside = s->light_width - x < CHI_SEGMENT ? s->light_width - x : CHI_SEGMENT;
     const double center = (x + 0.5) * s->scale - 0.5, row = ((double)y + 0.5) * s->scale - 0.5;
     m->kernels->path_lengths(s->published ? axis : s->tangent[0],
       s->published ? axis + 1 : s->tangent[1], planes, (float)(s->slope_x + center * s->slope_dx),
@@ -130,7 +130,6 @@ static void light_piece(march* m, chi_light_field* f, float factor, int64_t slab
   const int dark = (s->published ? m->kernels->blur : m->kernels->light)(&segment);
   repeat_ends(m, k, seen);
   *target_tile = *seen_tile = TILE_MIXED;
-  const int inside = s->light_width - x;
   if (inside < CHI_SEGMENT)
   {
     /* Beyond the rim all light arrives: neither what lies there, which the other rims do not know,

@@ -11,7 +11,7 @@
 
 enum
 {
-  LINE = 16 /* floats of a cache line */
+  LINE = CHI_LINE / sizeof(float)
 };
 
 static size_t round_up(size_t x, size_t to)
@@ -359,9 +359,9 @@ static chi_status set_sample_frame(march* m)
   f->value_end = (float)(c->table_entries - 1);
   f->table_entries = (int32_t)c->table_entries;
   f->labels = c->mask ? c->mask->labels : NULL;
-  f->sigma = (const chi_sigma_entry*)c->sigma.data;
+  f->sigma = (const chi_plan_entry*)c->sigma.data;
   f->rgba = (const float(*)[4])c->rgba.data;
-  f->colors = (const chi_color_entry*)c->colors.data;
+  f->colors = (const chi_plan_color*)c->colors.data;
   f->color_step = chi_march_color_step(m->scene, c, m->frame->params);
   f->quantum = c->quantum;
   f->occupied = (const uint8_t*)c->occupied.data;

@@ -21,7 +21,7 @@ static float unit(float x)
 
 static void fill_tables(chi_classification* out, const chi_transfer_view* transfer)
 {
-  chi_sigma_entry* const sigma = (chi_sigma_entry*)out->sigma.data;
+  chi_plan_entry* const sigma = (chi_plan_entry*)out->sigma.data;
   float(*const rgba)[4] = (float(*)[4])out->rgba.data;
   uint32_t* const before = (uint32_t*)out->visible_before.data;
   const size_t n = out->entries;
@@ -34,7 +34,7 @@ static void fill_tables(chi_classification* out, const chi_transfer_view* transf
       i + 1 < n ? chi_extinction(transfer->opacity[i + 1], transfer->unit_distance) : here;
     sigma[i].sigma = (float)here;
     sigma[i].half_slope = (float)(0.5 * (next - here));
-    sigma[i].pad = 0;
+    sigma[i].reserved = 0;
     total += 0.5 * (here + next);
     before[i] = visible;
     visible += here > 0;
@@ -62,8 +62,8 @@ static void fill_tables(chi_classification* out, const chi_transfer_view* transf
 /* Extinction and colour are linear from entry to entry; their product's integral is exact. */
 static void fill_colors(chi_classification* out, const chi_transfer_view* transfer)
 {
-  chi_color_entry* const colors = (chi_color_entry*)out->colors.data;
-  const chi_sigma_entry* const sigma = (const chi_sigma_entry*)out->sigma.data;
+  chi_plan_color* const colors = (chi_plan_color*)out->colors.data;
+  const chi_plan_entry* const sigma = (const chi_plan_entry*)out->sigma.data;
   const float(*const rgba)[4] = (const float(*)[4])out->rgba.data;
   const size_t n = out->entries;
   for (int c = 0; c < 4; ++c)
@@ -89,8 +89,8 @@ static void fill_colors(chi_classification* out, const chi_transfer_view* transf
  * thickness (half as many parts), less that of its middle; the largest of the channels. */
 static double middle_error(const chi_classification* c, size_t first, size_t cross, double length)
 {
-  const chi_sigma_entry* const sigma = (const chi_sigma_entry*)c->sigma.data;
-  const chi_color_entry* const colors = (const chi_color_entry*)c->colors.data;
+  const chi_plan_entry* const sigma = (const chi_plan_entry*)c->sigma.data;
+  const chi_plan_color* const colors = (const chi_plan_color*)c->colors.data;
   const float* const at = ((const float(*)[4])c->rgba.data)[first + cross / 2];
   const size_t middle = first + cross / 2, last = first + cross;
   const double left = (double)sigma[middle].sum - (double)sigma[first].sum;
@@ -239,9 +239,9 @@ chi_status chi_classify(const chi_exec* exec, chi_classification* out, const chi
   const size_t n = transfer->count * tables;
   const size_t count = bricks->count[0] * bricks->count[1] * bricks->count[2];
   const size_t corners = (bricks->count[0] + 1) * (bricks->count[1] + 1) * (bricks->count[2] + 1);
-  if (!chi_buffer_reserve(exec, &out->sigma, n, sizeof(chi_sigma_entry)) ||
+  if (!chi_buffer_reserve(exec, &out->sigma, n, sizeof(chi_plan_entry)) ||
     !chi_buffer_reserve(exec, &out->rgba, n + 1, 4 * sizeof(float)) ||
-    !chi_buffer_reserve(exec, &out->colors, n, sizeof(chi_color_entry)) ||
+    !chi_buffer_reserve(exec, &out->colors, n, sizeof(chi_plan_color)) ||
     !chi_buffer_reserve(exec, &out->visible_before, n + 1, sizeof(uint32_t)) ||
     !chi_buffer_reserve(exec, &out->occupied, count + 4, 1) ||
     !chi_buffer_reserve(exec, &out->sums, corners, sizeof(int32_t)))

@@ -53,7 +53,7 @@ static double plane_value(const chi_transfer_view* t, double x, double y, int ch
 static void fill_extinctions(
   chi_transfer_plane* out, const chi_transfer_view* t, const size_t parts[2], float* opacity)
 {
-  chi_sigma_entry* const sigma = (chi_sigma_entry*)out->sigma.data;
+  chi_plan_entry* const sigma = (chi_plan_entry*)out->sigma.data;
   float(*const rgba)[4] = (float(*)[4])out->rgba.data;
   double most = 0;
   for (size_t i = 0; i < out->count[0]; ++i)
@@ -69,7 +69,7 @@ static void fill_extinctions(
       const size_t at = i + out->count[0] * j;
       const double alpha = plane_value(t, x, y, 3);
       sigma[at] =
-        (chi_sigma_entry){ .sigma = (float)chi_extinction(alpha, t->unit_distance), .pad = 0 };
+        (chi_plan_entry){ .sigma = (float)chi_extinction(alpha, t->unit_distance), .reserved = 0 };
       total += (double)sigma[at].sigma;
       opacity[i] = (float)fmax((double)opacity[i], alpha);
       for (int c = 0; c < 3; ++c)
@@ -87,7 +87,7 @@ static void fill_sums(chi_transfer_plane* out)
 {
   for (size_t j = 0; j < out->count[1]; ++j)
   {
-    chi_sigma_entry* const row = (chi_sigma_entry*)out->sigma.data + out->count[0] * j;
+    chi_plan_entry* const row = (chi_plan_entry*)out->sigma.data + out->count[0] * j;
     double sum = 0;
     for (size_t i = 0; i < out->count[0]; ++i)
     {
@@ -142,7 +142,7 @@ chi_status chi_classify_transfer(const chi_exec* exec, chi_classification* out,
     plane->count[a] = (transfer->plane_count[a] - 1) * parts[a] + 1;
   }
   const size_t entries = plane->count[0] * plane->count[1];
-  if (!chi_buffer_reserve(exec, &plane->sigma, entries, sizeof(chi_sigma_entry)) ||
+  if (!chi_buffer_reserve(exec, &plane->sigma, entries, sizeof(chi_plan_entry)) ||
     !chi_buffer_reserve(exec, &plane->rgba, entries, 4 * sizeof(float)) ||
     !chi_buffer_reserve(exec, &plane->bound, 4 * plane->count[0], sizeof(float)))
   {

@@ -12,7 +12,7 @@ enum
 {
   BRICK = 8,
   MARGIN = 2,
-  SLACK = 63 /* bytes: a cache line less one */
+  SLACK = CHI_LINE - 1
 };
 
 int chi_buffer_reserve(const chi_exec* exec, chi_buffer* buffer, size_t count, size_t size)

@@ -56,8 +56,9 @@ typedef struct chi_plan_shift
   float weight[4];
 } chi_plan_shift;
 
-/** Table of extinction: at entry i + f it is sigma + 2 f half_slope, its integral from 0 is quantum
- * sum + f (sigma + f half_slope). */
+/** Table of extinction, sixteen bytes an entry, so that a look-up touches one cache line. Sums are
+ * fixed-point: differences are exact, however far apart. At entry i + f it is sigma + 2 f
+ * half_slope, its integral from 0 is quantum sum + f (sigma + f half_slope). */
 typedef struct chi_plan_entry
 {
   int32_t sum;

@@ -16,6 +16,7 @@ enum
   CHI_MAX_ORDINATES = 128, /* of all lights */
   CHI_CELL_WIDTH = 32,     /* pixels of the picture: granularity of empty-space tests */
   CHI_CELL_HEIGHT = 8,
+  CHI_LINE = 64,   /* bytes of a cache line, of most processors: a matter of speed alone */
   CHI_SEGMENT = 32 /* light buffer pixels: granularity of light skipping; a multiple of all lanes */
 };
 
@@ -32,25 +33,6 @@ enum
   CHI_FETCH_F32 = 3
 };
 
-/* One entry of the classification, sixteen bytes, so that a lookup touches one cache line.
- * Between entries extinction is linear: sigma(i + f) = sigma + 2 * half_slope * f, and the integral
- * from 0 to i + f is quantum * sum + f * (sigma + f * half_slope). */
-typedef struct chi_sigma_entry
-{
-  int32_t sum; /* fixed point: differences of sums are exact, however far apart */
-  float sigma;
-  float half_slope;
-  float pad;
-} chi_sigma_entry;
-
-/* The interval from one entry to the next: extinction-weighted colour, so that its integral from 0
- * to i + f is quantum * sum + rgb * f * (sigma + f * half_slope). */
-typedef struct chi_color_entry
-{
-  int32_t sum[4]; /* fixed point, in the quantum of the extinction's sums; the fourth is unused */
-  float rgb[4];   /* mean colour of the interval, weighted by extinction */
-} chi_color_entry;
-
 /* How the colour of a segment is integrated; the plan hands this out to other engines. */
 enum
 {
@@ -58,10 +40,10 @@ enum
   CHI_COLOR_STEPS = 8, /* by which they are found */
   CHI_COLOR_EVEN = 8   /* color_steps a segment may cross with parts that are even instead */
 };
-#define CHI_COLOR_WORTH                                                                            \
-  0.25f                      /* share of the bound that a colour must be worth to be integrated    \
-                              */
-#define CHI_COLOR_THIN 0.05f /* optical thickness below which series stand for exponentials */
+/* share of the bound that a colour must be worth to be integrated */
+#define CHI_COLOR_WORTH 0.25f
+/* optical thickness below which series stand for exponentials */
+#define CHI_COLOR_THIN 0.05f
 
 struct chi_sample_frame;
 
@@ -90,9 +72,9 @@ typedef struct chi_sample_frame
   float value_end;           /* the same of one table, where there are several */
   const uint8_t* labels;     /* [samples, padded] table of the voxel; NULL: there is one table */
   int32_t table_entries;     /* of one table */
-  const chi_sigma_entry* sigma;
+  const chi_plan_entry* sigma;
   const float (*rgba)[4];
-  const chi_color_entry* colors;
+  const chi_plan_color* colors;
   float color_step; /* table entries a segment may cross before its middle's colour is too coarse */
   float quantum;
   const uint8_t* occupied; /* bricks of 8^3 cells, padded by four bytes */

@@ -6,7 +6,7 @@
 enum
 {
   PARTS = CHI_SEGMENT / CHI_LANES,
-  LINE = 16 /* floats of a cache line */
+  LINE = CHI_LINE / sizeof(float)
 };
 
 CHI_INLINE void shifted(const float* q, size_t stride, const float w[4], vf out[PARTS])
