@@ -5,6 +5,7 @@ import unittest
 
 import numpy as np
 from occlusion_scene import (
+    Messages,
     Scene,
     ball,
     cube,
@@ -132,6 +133,14 @@ def render(engine, content, setup=None, geometry=None, lights=(), parallel=False
     return float_image(mapper), visibility_of(mapper), mapper
 
 
+def interact(mapper, bits):
+    """Who darkens whom, from the lowest bit: the volume itself and geometry, geometry the volume and itself."""
+    mapper.SetVolumeToVolume(bool(bits & 1))
+    mapper.SetVolumeToGeometry(bool(bits & 2))
+    mapper.SetGeometryToVolume(bool(bits & 4))
+    mapper.SetGeometryToGeometry(bool(bits & 8))
+
+
 CPU = vtkChiCombinedOcclusionVolumeMapper.ENGINE_CPU
 OPENGL = vtkChiCombinedOcclusionVolumeMapper.ENGINE_OPENGL
 AUTO = vtkChiCombinedOcclusionVolumeMapper.ENGINE_AUTO
@@ -187,3 +196,47 @@ class Agreement(unittest.TestCase):
             ]
             self.assertTrue(any(caught))
         return gpu
+
+    def check_window(self, prepare, change):
+        """Compare what windows show, of one sample a pixel and of several; `change(scene, mapper)` must be seen."""
+        for samples in (0, 4):
+            pictures = []
+            for engine in (CPU, OPENGL):
+                scene = Scene((60, 50), background=(0.2, 0.3, 0.4))
+                scene.window.SetMultiSamples(samples)
+                _, mapper = scene.add_volume(*fog())
+                mapper.SetEngine(engine)
+                prepare(scene, mapper)
+                scene.look((-0.5, -0.35, -0.8), half=1.4, parallel=False)
+                before = scene.pixels()
+                change(scene, mapper)
+                pictures.append(scene.pixels())
+                self.assertEqual(mapper.GetEngineInUse(), engine)
+                self.assertEqual(mapper.GetNumberOfDroppedLayers(), 0)
+            everywhere = np.ones(before.shape[:2], bool)
+            mean, most = differences(*pictures, everywhere)
+            self.assertLessEqual(mean, self.MEAN)
+            self.assertLessEqual(most, self.PERCENTILE_99)
+            self.assertGreater(differences(pictures[0], before, everywhere)[0], 5.0 * self.MEAN)
+
+    def check_edits(self, content, edits):
+        """Textures follow what is edited, and leave when they are not needed: each of the functions that
+        `edits(scene, mapper, data, prop)` lists must be seen, and by both engines alike."""
+        pictures = {CPU: [], OPENGL: []}
+        for engine, seen in pictures.items():
+            scene = Scene((60, 60))
+            mapper = vtkChiCombinedOcclusionVolumeMapper()
+            messages = Messages(mapper)
+            mapper.SetEngine(engine)
+            data, prop = content()
+            scene.add_volume(data, prop, mapper)
+            scene.look((-0.5, -0.35, -0.8), half=1.2)
+            for edit in [lambda: None, *edits(scene, mapper, data, prop)]:
+                edit()
+                seen.append(scene.pixels())
+                self.assertEqual(mapper.GetEngineInUse(), engine, mapper.GetEngineReason())
+            self.assertEqual((messages.errors, messages.warnings), ([], []))
+        for k, (a, b) in enumerate(zip(*pictures.values())):
+            self.assertLessEqual(255.0 * np.abs(a - b).mean(), self.MEAN)
+            if k:
+                self.assertGreater(255.0 * np.abs(b - pictures[OPENGL][k - 1]).mean(), 2.0 * self.MEAN)

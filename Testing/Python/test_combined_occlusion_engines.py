@@ -12,6 +12,7 @@ from engine_agreement import (
     SCENE,
     Agreement,
     fog,
+    interact,
     peak,
     render,
     shells,
@@ -171,14 +172,7 @@ class SamePictureWithGeometry(Agreement):
     def test_every_choice_of_who_darkens_whom(self):
         for bits in range(16):
             with self.subTest(bits=bits):
-
-                def setup(mapper):
-                    mapper.SetVolumeToVolume(bool(bits & 1))
-                    mapper.SetVolumeToGeometry(bool(bits & 2))
-                    mapper.SetGeometryToVolume(bool(bits & 4))
-                    mapper.SetGeometryToGeometry(bool(bits & 8))
-
-                self.check(fog, setup=setup, geometry=tubes, darkens=bits == 15)
+                self.check(fog, setup=lambda mapper: interact(mapper, bits), geometry=tubes, darkens=bits == 15)
 
     def test_thickness_and_opacity_of_geometry(self):
         for thickness, opacity in ((0.0, 0.5), (0.4, 1.0), (0.4, 0.6), (np.inf, 1.0), (np.inf, 0.1)):

@@ -3,9 +3,8 @@
 """The engines' pictures of translucent geometry, and of pixels that a surface covers in part."""
 import unittest
 
-import numpy as np
-from engine_agreement import CPU, OPENGL, Agreement, N, differences, fog, shells, tubes, veiled_tubes, veils
-from occlusion_scene import Scene
+from engine_agreement import Agreement, N, fog, interact, shells, tubes, veiled_tubes, veils
+from engine_contents import nearest
 from vtkmodules.vtkCommonDataModel import vtkPlane
 
 
@@ -31,26 +30,12 @@ class TranslucentLayers(Agreement):
 
     def test_what_the_window_shows(self):
         """With silhouettes of several samples a pixel as well."""
-        for samples in (0, 4):
-            pictures = []
-            for engine in (CPU, OPENGL):
-                scene = Scene((60, 50), background=(0.2, 0.3, 0.4))
-                scene.window.SetMultiSamples(samples)
-                _, mapper = scene.add_volume(*fog())
-                mapper.SetEngine(engine)
-                mapper.SetGeometryAntiAliasingToMultiSample()
-                tubes(scene)
-                scene.look((-0.5, -0.35, -0.8), half=1.4, parallel=False)
-                opaque = scene.pixels()
-                veils(scene)
-                pictures.append(scene.pixels())
-                self.assertEqual(mapper.GetEngineInUse(), engine)
-                self.assertEqual(mapper.GetNumberOfDroppedLayers(), 0)
-            everywhere = np.ones(opaque.shape[:2], bool)
-            mean, most = differences(*pictures, everywhere)
-            self.assertLessEqual(mean, self.MEAN)
-            self.assertLessEqual(most, self.PERCENTILE_99)
-            self.assertGreater(differences(pictures[0], opaque, everywhere)[0], 5.0 * self.MEAN)
+
+        def prepare(scene, mapper):
+            mapper.SetGeometryAntiAliasingToMultiSample()
+            tubes(scene)
+
+        self.check_window(prepare, lambda scene, mapper: veils(scene))
 
     def test_alone(self):
         for geometry in (veils, veiled_tubes):
@@ -84,21 +69,9 @@ class TranslucentLayers(Agreement):
     def test_who_darkens_them(self):
         for bits in (1, 2, 6, 9, 13):
             with self.subTest(bits=bits):
-
-                def setup(mapper):
-                    mapper.SetVolumeToVolume(bool(bits & 1))
-                    mapper.SetVolumeToGeometry(bool(bits & 2))
-                    mapper.SetGeometryToVolume(bool(bits & 4))
-                    mapper.SetGeometryToGeometry(bool(bits & 8))
-
-                self.check(fog, setup=setup, geometry=veiled_tubes, darkens=False)
+                self.check(fog, setup=lambda mapper: interact(mapper, bits), geometry=veiled_tubes, darkens=False)
 
     def test_cut_volumes_nearest_labels_and_no_skipping(self):
-        def nearest():
-            data, prop = fog()
-            prop.SetInterpolationTypeToNearest()
-            return data, prop
-
         def setup(mapper):
             plane = vtkPlane()
             plane.SetNormal(0.6, 0.3, -1.0)
@@ -106,7 +79,7 @@ class TranslucentLayers(Agreement):
             mapper.AddClippingPlane(plane)
             mapper.SkippingOff()
 
-        self.check(nearest, geometry=veiled_tubes, without={"geometry": tubes})
+        self.check(nearest(fog), geometry=veiled_tubes, without={"geometry": tubes})
         self.check(fog, setup=setup, geometry=veiled_tubes, without={"geometry": tubes})
 
 
