@@ -423,17 +423,18 @@ void vtkChiOcclusionGL::ReleaseGraphicsResources(vtkWindow* window)
   {
     texture->ReleaseGraphicsResources(window);
   }
-  this->Resize(this->LayerWeights, 0);
-  this->Resize(this->LayerLight, 0);
+  std::vector<TextureList*> lists = { &this->LayerWeights, &this->LayerLight };
   for (Field& field : this->Fields)
   {
-    for (TextureList* list : field.GetLists())
+    const auto more = field.GetLists();
+    lists.insert(lists.end(), more.begin(), more.end());
+  }
+  for (TextureList* list : lists)
+  {
+    for (auto& texture : *list)
     {
-      for (auto& texture : *list)
-      {
-        texture->ReleaseGraphicsResources(window);
-      }
-      list->clear();
+      texture->ReleaseGraphicsResources(window);
     }
+    list->clear();
   }
 }

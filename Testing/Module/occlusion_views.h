@@ -58,6 +58,16 @@ static inline chi_surface_view surface_of(const float* depth)
     chi_surface_view){ .struct_size = sizeof(chi_surface_view), .depth = depth, .version = 1 };
 }
 
+/* Layers of the first version, [count][height][width]. */
+static inline chi_layers_view layers_of(const float* depth, const float* rgba, int32_t count)
+{
+  return (chi_layers_view){ .struct_size = sizeof(chi_layers_view),
+    .depth = depth,
+    .rgba = rgba,
+    .version = 1,
+    .count = count };
+}
+
 /* Largest difference of two pictures of one size, colours and surface visibilities. */
 static inline double difference(const chi_occlusion_image* a, const chi_occlusion_image* b)
 {

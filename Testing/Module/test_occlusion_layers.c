@@ -48,9 +48,7 @@ static scene* make_scene(int parallel, int fog)
   s->opacity[1] = 0.04f;
   s->transfer = tables(s->rgb, s->opacity, 2, 0.4, 1);
   s->surface = surface_of(s->depth);
-  s->layers = (chi_layers_view){
-    .struct_size = sizeof s->layers, .depth = s->layer_depth, .rgba = s->layer_rgba, .version = 1
-  };
+  s->layers = layers_of(s->layer_depth, s->layer_rgba, 0);
   chi_occlusion_default_params(&s->params);
   s->params.sample_distance = 1;
   s->params.strength = 0;

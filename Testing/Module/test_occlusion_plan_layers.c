@@ -6,6 +6,7 @@
 #include <chiaroscuro/chi_occlusion_plan.h>
 
 #include "chi_test.h"
+#include "occlusion_views.h"
 
 enum
 {
@@ -40,34 +41,14 @@ static scene* make_scene(int parallel)
   {
     exit(1);
   }
-  const double half = parallel ? 5 : 5.0 / 60, low = -0.5 * (N - 1);
-  s->camera = (chi_camera){ .struct_size = sizeof s->camera,
-    .world_to_eye = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 },
-    .window = { -half, half, -half, half },
-    .parallel = parallel,
-    .width = WIDTH,
-    .height = HEIGHT,
-    .near_depth = 1 };
+  s->camera = eye_at_origin(parallel, WIDTH, HEIGHT, parallel ? 5 : 5.0 / 60);
   for (int i = 0; i < N * N * N; ++i)
   {
     s->samples[i] = 1;
   }
-  s->volume = (chi_volume_view){ .struct_size = sizeof s->volume,
-    .scalars = s->samples,
-    .type = CHI_F32,
-    .stride = sizeof(float),
-    .dimensions = { N, N, N },
-    .index_to_world = { 1, 0, 0, low, 0, 1, 0, low, 0, 0, 1, low - 60, 0, 0, 0, 1 },
-    .interpolation = CHI_LINEAR,
-    .version = 1 };
+  s->volume = cube_at(s->samples, CHI_F32, N, 60);
   s->opacity[1] = 0.1f;
-  s->transfer = (chi_transfer_view){ .struct_size = sizeof s->transfer,
-    .rgb = s->rgb,
-    .opacity = s->opacity,
-    .count = 2,
-    .range = { 0, 1 },
-    .unit_distance = 1,
-    .version = 1 };
+  s->transfer = tables(s->rgb, s->opacity, 2, 0, 1);
   uint32_t state = 99;
   for (int i = 0; i < PIXELS; ++i)
   {
@@ -86,13 +67,8 @@ static scene* make_scene(int parallel)
     s->layer_rgba[4 * i] = (float)(i / PIXELS);
     s->layer_rgba[4 * i + 3] = 0.25f * (float)(i / PIXELS + 1) + (i % 7 ? 0 : 3);
   }
-  s->surface =
-    (chi_surface_view){ .struct_size = sizeof s->surface, .depth = s->depth, .version = 1 };
-  s->layers = (chi_layers_view){ .struct_size = sizeof s->layers,
-    .depth = s->layer_depth,
-    .rgba = s->layer_rgba,
-    .version = 1,
-    .count = CHI_MAX_LAYERS };
+  s->surface = surface_of(s->depth);
+  s->layers = layers_of(s->layer_depth, s->layer_rgba, CHI_MAX_LAYERS);
   chi_occlusion_default_params(&s->params);
   s->frame = (chi_occlusion_frame){ .struct_size = sizeof s->frame,
     .camera = &s->camera,
