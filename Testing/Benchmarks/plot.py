@@ -8,6 +8,7 @@ import csv
 import math
 import re
 import sys
+import textwrap
 
 import matplotlib
 
@@ -42,7 +43,7 @@ def panel(axes, rows):
     """Points of error over time; where a case has no error, bars of time."""
     # one kind of error a panel: the one that most rows have; a method without it shows its own
     kinds = [r["error_kind"] for r in rows if number(r["error"]) > 0]
-    kind = max(set(kinds), key=kinds.count) if kinds else ""
+    kind = max(dict.fromkeys(kinds), key=kinds.count) if kinds else ""
     if kind:
         has = {r["method"] for r in rows if r["error_kind"] == kind}
         rows = [r if r["method"] in has else {**r, "method": f"{r['method']} ({r['error_kind']})"}
@@ -107,7 +108,11 @@ def bars_panel(axes, rows):
                       xytext=(3, 0), textcoords="offset points")
     axes.set_yticks(range(len(rows)), names, fontsize=6)
     axes.invert_yaxis()
-    axes.set_xlim(0, 1.35 * max(values))
+    if max(values) > 100:  # beside what is free all else would be gone
+        axes.set_xscale("log")
+        axes.set_xlim(0.5 * min(values), 10 * max(values))
+    else:
+        axes.set_xlim(0, 1.35 * max(values))
     axes.axvline(1, color="black", linewidth=0.7)
     axes.set_xlabel(rows[0]["error_kind"])
 
@@ -159,10 +164,14 @@ def by_kind(rows, picture):
                     continue
                 curves_panel(axis, mine)
                 axis.set_title(case, fontsize=9)
-                if axis is not axes[0, 0]:
-                    axis.get_legend().remove()
-        sheet.suptitle("occlusion: run time against error of visibility (dV) and of the final picture, full scale 1")
-        sheet.tight_layout(rect=(0, 0, 1, 0.985))
+                axis.get_legend().remove()
+        handles, labels = axes[0, 0].get_legend_handles_labels()
+        title = "occlusion: run time against error of visibility (dV) and of the final picture, full scale 1"
+        sheet.suptitle(textwrap.fill(title, 36 * len(shown)), fontsize=12)
+        columns = min(2 * len(shown), len(labels))
+        sheet.legend(handles, labels, loc="lower center", ncol=columns, fontsize=8)
+        below = 0.012 * math.ceil(len(labels) / columns) + 0.005
+        sheet.tight_layout(rect=(0, below, 1, 0.985 if len(shown) > 2 else 0.965))
         sheet.savefig(str(picture).replace(".png", f"{suffix}.png"), dpi=110)
         plt.close(sheet)
 
@@ -178,7 +187,7 @@ def figure(rows, panels, title, picture):
         panels(axis, [r for r in rows if r["case"] == case])
         axis.set_title(case, fontsize=9)
     sheet.suptitle(title)
-    sheet.tight_layout()
+    sheet.tight_layout(rect=(0, 0, 1, 1 - 0.06 / lines))  # below the title
     sheet.savefig(picture, dpi=120)
     plt.close(sheet)
 
