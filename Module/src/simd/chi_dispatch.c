@@ -1,6 +1,7 @@
 /* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "chi_occlusion_kernels.h"
+#include "chi_segment_kernels.h"
 #include "chi_tube_kernels.h"
 
 #include <stdlib.h>
@@ -56,5 +57,17 @@ const chi_tube_kernels* chi_tube_get_kernels(void)
                        : &chi_tube_kernels_generic;
 #else
   return &chi_tube_kernels_generic;
+#endif
+}
+
+const chi_segment_kernels* chi_segment_get_kernels(void)
+{
+#if defined(__x86_64__) && defined(__GNUC__)
+  const int set = instruction_set();
+  return set == AVX512 ? &chi_segment_kernels_avx512
+    : set == AVX2      ? &chi_segment_kernels_avx2
+                       : &chi_segment_kernels_generic;
+#else
+  return &chi_segment_kernels_generic;
 #endif
 }

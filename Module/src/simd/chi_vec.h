@@ -9,6 +9,7 @@
  * cannot say - gathers, and "is any lane set" - is an intrinsic, with a scalar form beside it.
  */
 
+#include <stddef.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -304,6 +305,76 @@ CHI_INLINE void vf_load_entries(const float (*table)[4], const int32_t* at, vf o
       column[i] = table[at[i]][k];
     }
     out[k] = vf_load(column);
+  }
+#endif
+}
+
+/* Two entries that lie one after the other, from one 32-byte load a lane: first[k][i] =
+ * table[at[i]][k], second[k][i] = table[at[i] + 1][k]. */
+CHI_INLINE void vf_load_pairs(const float (*table)[4], const int32_t* at, vf first[4], vf second[4])
+{
+#if defined(CHI_VEC_AVX512)
+  /* Entries of two lanes a row, so that after the transposition of 4 x 4 blocks the quarters of t
+   * are lanes 0 - 3 of first and second, then lanes 4 - 7; those of u 8 - 11 and 12 - 15. */
+  __m512 t[4], u[4];
+  for (int k = 0; k < 4; ++k)
+  {
+    t[k] = _mm512_insertf32x8(
+      _mm512_castps256_ps512(_mm256_loadu_ps(table[at[k]])), _mm256_loadu_ps(table[at[k + 4]]), 1);
+    u[k] = _mm512_insertf32x8(_mm512_castps256_ps512(_mm256_loadu_ps(table[at[k + 8]])),
+      _mm256_loadu_ps(table[at[k + 12]]), 1);
+  }
+  for (int h = 0; h < 2; ++h)
+  {
+    const __m512d ta =
+      (__m512d)(h ? _mm512_unpackhi_ps(t[0], t[1]) : _mm512_unpacklo_ps(t[0], t[1]));
+    const __m512d tb =
+      (__m512d)(h ? _mm512_unpackhi_ps(t[2], t[3]) : _mm512_unpacklo_ps(t[2], t[3]));
+    const __m512d ua =
+      (__m512d)(h ? _mm512_unpackhi_ps(u[0], u[1]) : _mm512_unpacklo_ps(u[0], u[1]));
+    const __m512d ub =
+      (__m512d)(h ? _mm512_unpackhi_ps(u[2], u[3]) : _mm512_unpacklo_ps(u[2], u[3]));
+    const __m512 tl = (__m512)_mm512_unpacklo_pd(ta, tb), th = (__m512)_mm512_unpackhi_pd(ta, tb);
+    const __m512 ul = (__m512)_mm512_unpacklo_pd(ua, ub), uh = (__m512)_mm512_unpackhi_pd(ua, ub);
+    first[2 * h] = (vf)_mm512_shuffle_f32x4(tl, ul, 0x88);
+    second[2 * h] = (vf)_mm512_shuffle_f32x4(tl, ul, 0xdd);
+    first[2 * h + 1] = (vf)_mm512_shuffle_f32x4(th, uh, 0x88);
+    second[2 * h + 1] = (vf)_mm512_shuffle_f32x4(th, uh, 0xdd);
+  }
+#elif defined(CHI_VEC_AVX2)
+  __m256 r[8];
+  for (int k = 0; k < 8; ++k)
+  {
+    r[k] = _mm256_loadu_ps(table[at[k]]);
+  }
+  for (int h = 0; h < 2; ++h)
+  {
+    const __m256d ta =
+      (__m256d)(h ? _mm256_unpackhi_ps(r[0], r[1]) : _mm256_unpacklo_ps(r[0], r[1]));
+    const __m256d tb =
+      (__m256d)(h ? _mm256_unpackhi_ps(r[2], r[3]) : _mm256_unpacklo_ps(r[2], r[3]));
+    const __m256d ua =
+      (__m256d)(h ? _mm256_unpackhi_ps(r[4], r[5]) : _mm256_unpacklo_ps(r[4], r[5]));
+    const __m256d ub =
+      (__m256d)(h ? _mm256_unpackhi_ps(r[6], r[7]) : _mm256_unpacklo_ps(r[6], r[7]));
+    const __m256 tl = (__m256)_mm256_unpacklo_pd(ta, tb), th = (__m256)_mm256_unpackhi_pd(ta, tb);
+    const __m256 ul = (__m256)_mm256_unpacklo_pd(ua, ub), uh = (__m256)_mm256_unpackhi_pd(ua, ub);
+    first[2 * h] = (vf)_mm256_permute2f128_ps(tl, ul, 0x20);
+    second[2 * h] = (vf)_mm256_permute2f128_ps(tl, ul, 0x31);
+    first[2 * h + 1] = (vf)_mm256_permute2f128_ps(th, uh, 0x20);
+    second[2 * h + 1] = (vf)_mm256_permute2f128_ps(th, uh, 0x31);
+  }
+#else
+  for (int k = 0; k < 4; ++k)
+  {
+    float a[CHI_LANES], b[CHI_LANES];
+    for (int i = 0; i < CHI_LANES; ++i)
+    {
+      a[i] = table[at[i]][k];
+      b[i] = table[at[i] + 1][k];
+    }
+    first[k] = vf_load(a);
+    second[k] = vf_load(b);
   }
 #endif
 }

@@ -1,0 +1,230 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "chi_preintegration_internal.h"
+#include "simd/chi_segment_kernels.h"
+
+#include <math.h>
+
+/* What the tables were made of. */
+typedef struct sources
+{
+  chi_transfer_view transfer; /* its pointers are not looked at again */
+  chi_preintegration_params params;
+} sources;
+
+struct chi_preintegration
+{
+  chi_segment_tables tables; /* count 0: none */
+  sources sources;
+  float (*entries)[4]; /* color, then depth: [2 x (room + 1)] */
+  size_t room;
+  float (*psi)[CHI_PSI_SIZE]; /* made once */
+  uint64_t version;
+};
+
+void chi_preintegration_default_params(chi_preintegration_params* params)
+{
+  *params = (chi_preintegration_params){ .struct_size = sizeof *params };
+}
+
+chi_status chi_preintegration_create(const chi_exec* exec, chi_preintegration** preintegration)
+{
+  if (!preintegration)
+  {
+    return CHI_ERROR_INVALID_ARGUMENT;
+  }
+  *preintegration = (chi_preintegration*)chi_alloc(exec, 1, sizeof **preintegration);
+  if (!*preintegration)
+  {
+    return CHI_ERROR_OUT_OF_MEMORY;
+  }
+  memset(*preintegration, 0, sizeof **preintegration);
+  return CHI_OK;
+}
+
+static void release_entries(const chi_exec* exec, chi_preintegration* p)
+{
+  if (p->entries)
+  {
+    chi_free(exec, p->entries, 2 * (p->room + 1), sizeof *p->entries);
+  }
+  p->entries = NULL;
+  p->room = 0;
+}
+
+void chi_preintegration_destroy(const chi_exec* exec, chi_preintegration* p)
+{
+  if (!p)
+  {
+    return;
+  }
+  release_entries(exec, p);
+  if (p->psi)
+  {
+    chi_free(exec, p->psi, CHI_PSI_SIZE, sizeof *p->psi);
+  }
+  chi_free(exec, p, 1, sizeof *p);
+}
+
+/* The largest extinction that is accepted, world^-1: 65536 entries of it, over a length of as much,
+ * are a float still. */
+static const double most_extinction = 1e16;
+
+static double extinction(double opacity, const sources* s)
+{
+  const double alpha = opacity > 0 ? fmin(opacity, 1) : 0;
+  return (s->params.opacity_convention == CHI_OPACITY_IMAGE ? -log1p(-fmin(alpha, 1 - 1e-6))
+                                                            : alpha) /
+    s->transfer.unit_distance;
+}
+
+static int is_valid(const sources* s)
+{
+  const chi_transfer_view* const t = &s->transfer;
+  const chi_preintegration_params* const p = &s->params;
+  if (!t->rgb || !t->opacity || t->plane || t->table_count > 1 || t->count < 2 ||
+    t->count > 65536 || !(t->range[0] < t->range[1]) || !isfinite(t->range[1] - t->range[0]) ||
+    !(t->unit_distance > 0) || !isfinite(t->unit_distance) || p->method < CHI_PREINTEGRATION_AUTO ||
+    p->method > CHI_PREINTEGRATION_PARTIAL || p->opacity_convention < CHI_OPACITY_LINEAR ||
+    p->opacity_convention > CHI_OPACITY_IMAGE || !(p->longest_segment >= 0) ||
+    !isfinite(p->longest_segment) || !(p->segment_range >= 0) || !isfinite(p->segment_range))
+  {
+    return 0;
+  }
+  for (size_t i = 0; i < t->count; ++i)
+  {
+    const float* const c = t->rgb + 3 * i;
+    if (!isfinite(c[0]) || !isfinite(c[1]) || !isfinite(c[2]) || !isfinite(t->opacity[i]) ||
+      extinction((double)t->opacity[i], s) > most_extinction)
+    {
+      return 0;
+    }
+  }
+  return 1;
+}
+
+/* Whether the tables that stand are those of these sources. */
+static int is_same(const sources* a, const sources* b)
+{
+  const chi_transfer_view *const s = &a->transfer, *const t = &b->transfer;
+  return s->version == t->version && s->count == t->count && s->range[0] == t->range[0] &&
+    s->range[1] == t->range[1] && s->unit_distance == t->unit_distance && s->rgb == t->rgb &&
+    s->opacity == t->opacity && memcmp(&a->params, &b->params, sizeof a->params) == 0;
+}
+
+/* Larger part first: differences of such sums lose nothing. */
+static void split(double sum, float parts[2])
+{
+  parts[0] = (float)sum;
+  parts[1] = (float)(sum - (double)parts[0]);
+}
+
+static void fill_entries(chi_preintegration* p, const sources* s)
+{
+  const size_t n = s->transfer.count;
+  float(*const color)[4] = p->entries, (*const depth)[4] = p->entries + n + 1;
+  double sum = 0;
+  for (size_t i = 0; i <= n; ++i)
+  {
+    const size_t from = i < n ? i : n - 1;
+    for (int c = 0; c < 3; ++c)
+    {
+      color[i][c] = fminf(fmaxf(s->transfer.rgb[3 * from + (size_t)c], 0), 1);
+    }
+    color[i][3] = depth[i][0] = (float)extinction((double)s->transfer.opacity[from], s);
+    sum += i > 0 && i < n ? 0.5 * ((double)color[i - 1][3] + (double)color[i][3]) : 0;
+    split(sum, depth[i] + 1);
+    depth[i][3] = 0;
+  }
+}
+
+static void fill_psi(float (*psi)[CHI_PSI_SIZE])
+{
+  for (int i = 0; i < CHI_PSI_SIZE; ++i)
+  {
+    for (int j = 0; j < CHI_PSI_SIZE; ++j)
+    {
+      const double end = CHI_PSI_SIZE - 1; /* gamma / (1 - gamma) */
+      psi[i][j] = (float)chi_psi(j / (end - j), i / (end - i));
+    }
+  }
+}
+
+/* Room for the 1-D tables and psi, which is filled. */
+static int make_room(const chi_exec* exec, chi_preintegration* p, size_t count)
+{
+  if (count > p->room)
+  {
+    release_entries(exec, p);
+    p->entries = (float(*)[4])chi_alloc(exec, 2 * (count + 1), sizeof *p->entries);
+    p->room = p->entries ? count : 0;
+  }
+  if (p->entries && !p->psi)
+  {
+    p->psi = (float(*)[CHI_PSI_SIZE])chi_alloc(exec, CHI_PSI_SIZE, sizeof *p->psi);
+    if (p->psi)
+    {
+      fill_psi(p->psi);
+    }
+  }
+  return p->entries && p->psi;
+}
+
+chi_status chi_preintegration_update(const chi_exec* exec, chi_preintegration* p,
+  const chi_transfer_view* transfer, const chi_preintegration_params* params)
+{
+  sources now;
+  memset(&now, 0, sizeof now);
+  chi_preintegration_default_params(&now.params);
+  if (!p || !transfer || !CHI_ADOPT(chi_transfer_view, version, &now.transfer, transfer) ||
+    (params && !CHI_ADOPT(chi_preintegration_params, segment_range, &now.params, params)) ||
+    !is_valid(&now))
+  {
+    return CHI_ERROR_INVALID_ARGUMENT;
+  }
+  if (p->tables.count && is_same(&now, &p->sources))
+  {
+    return CHI_OK;
+  }
+  memset(&p->tables, 0, sizeof p->tables);
+  if (!make_room(exec, p, now.transfer.count))
+  {
+    return CHI_ERROR_OUT_OF_MEMORY;
+  }
+  fill_entries(p, &now);
+  const size_t count = now.transfer.count;
+  p->sources = now;
+  p->tables = (chi_segment_tables){ .struct_size = sizeof p->tables,
+    .method = now.params.method ? now.params.method : CHI_PREINTEGRATION_PARTIAL,
+    .count = (int32_t)count,
+    .range = { now.transfer.range[0], now.transfer.range[1] },
+    .color = (const float(*)[4])p->entries,
+    .depth = (const float(*)[4])p->entries + count + 1,
+    .psi = p->psi[0],
+    .version = ++p->version };
+  return CHI_OK;
+}
+
+void chi_preintegration_get_tables(const chi_preintegration* p, chi_segment_tables* tables)
+{
+  *tables = p->tables;
+}
+
+chi_status chi_segment_evaluate(const chi_segment_tables* tables, size_t count, const float* x0,
+  const float* x1, const float* length, float* rgba)
+{
+  if (!tables || (count > 0 && (!x0 || !x1 || !length || !rgba)))
+  {
+    return CHI_ERROR_INVALID_ARGUMENT;
+  }
+  if (tables->count == 0)
+  {
+    return CHI_ERROR_NOT_READY;
+  }
+  if (tables->method < CHI_PREINTEGRATION_NONE || tables->method > CHI_PREINTEGRATION_FULL)
+  {
+    return CHI_ERROR_INVALID_ARGUMENT;
+  }
+  chi_segment_get_kernels()->evaluate(tables, count, x0, x1, length, rgba);
+  return CHI_OK;
+}
