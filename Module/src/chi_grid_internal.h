@@ -1,0 +1,110 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#ifndef CHI_GRID_INTERNAL_H
+#define CHI_GRID_INTERNAL_H
+
+#include <chiaroscuro/chi_grid.h>
+
+#include "chi_internal.h"
+
+enum
+{
+  CHI_CELL_POINTS = 27, /* most nodes of a cell that is no polyhedron */
+  CHI_CELL_CENTER = -1  /* corner of a tetrahedron: the mean of the cell's points */
+};
+
+/* A polyhedron with its faces, each the number of its corners and these, outward. */
+typedef struct chi_shape
+{
+  uint8_t points, faces;
+  uint8_t face[14][7];
+} chi_shape;
+
+/* A type of cell: the linear cells that its nodes make, one of them for linear types. */
+typedef struct chi_cell_part
+{
+  uint8_t shape;
+  uint8_t node[12];
+} chi_cell_part;
+
+typedef struct chi_cell_type
+{
+  const chi_cell_part* part;
+  size_t parts, points;
+} chi_cell_type;
+
+extern const chi_shape chi_shapes[];
+/* NULL where the type is not split by a table: see chi_cell_is_flat_type. */
+const chi_cell_type* chi_cell_type_of(int vtk_type);
+int chi_cell_type_is_flat(int vtk_type);
+
+/* A grid whose arrays are there and long enough; what they say is checked cell by cell. */
+typedef struct chi_grid
+{
+  chi_grid_view view;
+  size_t points, cells;
+  size_t dimensions[3]; /* in cells, of structured grids */
+  int is_flat;          /* a structured grid of less than three dimensions */
+  double rounding;      /* of a coordinate, relative to its size */
+} chi_grid;
+
+chi_status chi_grid_open(chi_grid* grid, const chi_grid_view* view);
+void chi_grid_point(const chi_grid* grid, size_t id, double x[3]);
+
+/* What becomes of a cell. */
+enum
+{
+  CHI_CELL_GOOD = 0,
+  CHI_CELL_GHOST,
+  CHI_CELL_BLANKED,
+  CHI_CELL_FLAT_TYPE,
+  CHI_CELL_UNSUPPORTED,
+  CHI_CELL_NON_FINITE,
+  CHI_CELL_BROKEN
+};
+
+typedef struct chi_grid_cell
+{
+  const chi_grid* grid;
+  const chi_cell_type* type; /* NULL: a polyhedron, whose corners are point ids */
+  const int64_t* ids;        /* [count] of its points */
+  size_t count;
+  const int64_t* faces; /* of a polyhedron: its part of the stream, behind the number of faces */
+  size_t face_count;
+  int64_t own[8]; /* ids of a structured grid's cell */
+  /* chi_cell_locate: */
+  double x[CHI_CELL_POINTS][3], center[3];
+  double low[3], high[3];
+  double noise; /* what rounded coordinates do to six volumes of a tetrahedron */
+} chi_grid_cell;
+
+/* Ids and faces, checked; CHI_CELL_... */
+int chi_cell_read(const chi_grid* grid, size_t index, chi_grid_cell* cell);
+/* Coordinates; 0 where one is not finite. */
+int chi_cell_locate(chi_grid_cell* cell);
+void chi_cell_find_center(chi_grid_cell* cell);
+
+/* How a cell is split. */
+enum
+{
+  CHI_SPLIT_NONE = 0,
+  CHI_SPLIT_POSITIVE, /* from its lowest vertex, all tetrahedra right-handed as they come */
+  CHI_SPLIT_NEGATIVE, /* likewise, all left-handed */
+  CHI_SPLIT_SIGNED,   /* likewise, each to be looked at */
+  CHI_SPLIT_CENTER    /* from its centre, each to be looked at */
+};
+
+typedef struct chi_cell_split
+{
+  int way, folded;
+  size_t tetrahedra, flat, collapsed;
+  double volume;
+} chi_cell_split;
+
+/* Choose for a cell that has been located. */
+void chi_cell_choose(chi_grid_cell* cell, chi_cell_split* split);
+/* Write its tetrahedra; their number. The cell is located unless each is right- or left-handed. */
+size_t chi_cell_write(
+  const chi_grid_cell* cell, int way, uint32_t center_id, uint32_t (*vertices)[4]);
+
+#endif
