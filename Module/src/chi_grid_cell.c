@@ -48,9 +48,10 @@ chi_status chi_grid_open(chi_grid* grid, const chi_grid_view* given)
   {
     return CHI_ERROR_INVALID_ARGUMENT;
   }
-  const int has_points = v->kind == CHI_GRID_UNSTRUCTURED || v->kind == CHI_GRID_CURVILINEAR;
+  grid->has_points = v->kind == CHI_GRID_UNSTRUCTURED || v->kind == CHI_GRID_CURVILINEAR;
   /* half a unit in the last place */
-  grid->rounding = has_points && v->points.type == CHI_F32 ? 0.5 * FLT_EPSILON : 0.5 * DBL_EPSILON;
+  grid->rounding =
+    grid->has_points && v->points.type == CHI_F32 ? 0.5 * FLT_EPSILON : 0.5 * DBL_EPSILON;
   if (v->kind == CHI_GRID_UNSTRUCTURED)
   {
     if (!unstructured_is_valid(v))
@@ -90,14 +91,9 @@ static double axis_at(const chi_array_view* axis, size_t i)
   return chi_number_at((const char*)axis->data + i * axis->stride, axis->type);
 }
 
-void chi_grid_point(const chi_grid* grid, size_t id, double x[3])
+void chi_grid_implicit_point(const chi_grid* grid, size_t id, double x[3])
 {
   const chi_grid_view* const v = &grid->view;
-  if (v->kind == CHI_GRID_UNSTRUCTURED || v->kind == CHI_GRID_CURVILINEAR)
-  {
-    chi_view_get(&v->points, id, x);
-    return;
-  }
   const size_t row = id / v->dimensions[0];
   const size_t ijk[3] = { id % v->dimensions[0], row % v->dimensions[1], row / v->dimensions[1] };
   for (int a = 0; a < 3; ++a)
@@ -234,23 +230,25 @@ int chi_cell_read(const chi_grid* grid, size_t index, chi_grid_cell* cell)
   return found == CHI_CELL_GOOD && is_at_hidden_point(cell) ? CHI_CELL_BLANKED : found;
 }
 
-static void widen(chi_grid_cell* cell, const double x[3])
+/* Points as they are found; NaN is not tame, and leaves the box as it is. */
+typedef struct point_box
+{
+  double low[3], high[3];
+  int is_tame;
+} point_box;
+
+static inline void add_point(point_box* box, const double x[3])
 {
   for (int a = 0; a < 3; ++a)
   {
-    cell->low[a] = x[a] < cell->low[a] ? x[a] : cell->low[a];
-    cell->high[a] = x[a] > cell->high[a] ? x[a] : cell->high[a];
+    box->low[a] = x[a] < box->low[a] ? x[a] : box->low[a];
+    box->high[a] = x[a] > box->high[a] ? x[a] : box->high[a];
+    box->is_tame &= fabs(x[a]) <= largest;
   }
 }
 
-static int is_tame(const double x[3])
-{
-  /* false for NaN */
-  return fabs(x[0]) <= largest && fabs(x[1]) <= largest && fabs(x[2]) <= largest;
-}
-
-/* Points of a polyhedron's faces; those of its connectivity have been looked at. */
-static int locate_faces(chi_grid_cell* cell)
+/* Points of a polyhedron's faces, beside those of its connectivity. */
+static void add_faces(point_box* box, const chi_grid_cell* cell)
 {
   const int64_t* at = cell->faces;
   for (size_t f = 0; f < cell->face_count; ++f)
@@ -259,50 +257,31 @@ static int locate_faces(chi_grid_cell* cell)
     {
       double x[3];
       chi_grid_point(cell->grid, (size_t)*at, x);
-      if (!is_tame(x))
-      {
-        return 0;
-      }
-      widen(cell, x);
+      add_point(box, x);
     }
   }
-  return 1;
 }
 
 int chi_cell_locate(chi_grid_cell* cell)
 {
+  point_box box = { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY }, 1 };
   for (size_t k = 0; k < cell->count; ++k)
   {
-    double own[3];
-    double* const x = cell->type ? cell->x[k] : own;
+    double x[3];
     chi_grid_point(cell->grid, (size_t)cell->ids[k], x);
-    if (!is_tame(x))
+    add_point(&box, x);
+    if (cell->type)
     {
-      return 0;
+      memcpy(cell->x[k], x, sizeof x);
     }
-    if (k == 0)
-    {
-      memcpy(cell->low, x, sizeof cell->low);
-      memcpy(cell->high, x, sizeof cell->high);
-    }
-    widen(cell, x);
   }
-  if (!cell->type && !locate_faces(cell))
+  if (!cell->type)
   {
-    return 0;
+    add_faces(&box, cell);
   }
-  double square = 0, size = 0;
-  for (int a = 0; a < 3; ++a)
-  {
-    const double d = cell->high[a] - cell->low[a];
-    square += d * d;
-    size = fmax(size, fmax(fabs(cell->low[a]), fabs(cell->high[a])));
-  }
-  /* A corner moves by up to sqrt(3) u size, six volumes by twice the area of the face opposite, at
-   * most sqrt(3) / 2 L^2, times that: 6 u size L^2 of four corners, and no more of the arithmetic.
-   */
-  cell->noise = 8 * cell->grid->rounding * size * square;
-  return 1;
+  memcpy(cell->low, box.low, sizeof box.low);
+  memcpy(cell->high, box.high, sizeof box.high);
+  return box.is_tame;
 }
 
 void chi_cell_find_center(chi_grid_cell* cell)

@@ -34,7 +34,7 @@ typedef struct chi_cell_type
 } chi_cell_type;
 
 extern const chi_shape chi_shapes[];
-/* NULL where the type is not split by a table: see chi_cell_is_flat_type. */
+/* NULL where the type is not split by a table. */
 const chi_cell_type* chi_cell_type_of(int vtk_type);
 int chi_cell_type_is_flat(int vtk_type);
 
@@ -45,11 +45,34 @@ typedef struct chi_grid
   size_t points, cells;
   size_t dimensions[3]; /* in cells, of structured grids */
   int is_flat;          /* a structured grid of less than three dimensions */
+  int has_points;       /* else they follow from their ids */
   double rounding;      /* of a coordinate, relative to its size */
 } chi_grid;
 
 chi_status chi_grid_open(chi_grid* grid, const chi_grid_view* view);
-void chi_grid_point(const chi_grid* grid, size_t id, double x[3]);
+void chi_grid_implicit_point(const chi_grid* grid, size_t id, double x[3]);
+
+static inline void chi_grid_point(const chi_grid* grid, size_t id, double x[3])
+{
+  const chi_vec3_view* const points = &grid->view.points;
+  const char* const at = (const char*)points->data + id * points->stride;
+  if (!grid->has_points)
+  {
+    chi_grid_implicit_point(grid, id, x);
+  }
+  else if (points->type == CHI_F64)
+  {
+    memcpy(x, at, 3 * sizeof(double));
+  }
+  else
+  {
+    float single[3];
+    memcpy(single, at, sizeof single);
+    x[0] = single[0];
+    x[1] = single[1];
+    x[2] = single[2];
+  }
+}
 
 /* What becomes of a cell. */
 enum
@@ -75,7 +98,6 @@ typedef struct chi_grid_cell
   /* chi_cell_locate: */
   double x[CHI_CELL_POINTS][3], center[3];
   double low[3], high[3];
-  double noise; /* what rounded coordinates do to six volumes of a tetrahedron */
 } chi_grid_cell;
 
 /* Ids and faces, checked; CHI_CELL_... */

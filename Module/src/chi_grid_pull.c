@@ -11,6 +11,8 @@
 
 #include <math.h>
 
+static const int64_t in_order[4] = { 0, 1, 2, 3 }; /* a tetrahedron as it is */
+
 typedef void (*visit_fn)(void* data, const int64_t corner[4]);
 
 static inline int64_t id_of(const chi_grid_cell* cell, int64_t corner)
@@ -18,9 +20,9 @@ static inline int64_t id_of(const chi_grid_cell* cell, int64_t corner)
   return cell->type ? cell->ids[corner] : corner;
 }
 
-/* The cone of a face, unless the apex is the lowest of its corners. */
+/* The cone of a face, unless the apex is the lowest of its corners; `flip`: the other way round. */
 static inline void visit_face(const chi_grid_cell* cell, int64_t apex, const int64_t* face,
-  size_t count, visit_fn visit, void* data)
+  size_t count, int flip, visit_fn visit, void* data)
 {
   size_t low = 0;
   int64_t least = id_of(cell, face[0]);
@@ -38,7 +40,7 @@ static inline void visit_face(const chi_grid_cell* cell, int64_t apex, const int
   for (size_t k = 2; k < count; ++k)
   {
     const size_t c = b + 1 < count ? b + 1 : 0;
-    const int64_t corner[4] = { apex, face[low], face[b], face[c] };
+    const int64_t corner[4] = { apex, face[low], face[flip ? c : b], face[flip ? b : c] };
     visit(data, corner);
     b = c;
   }
@@ -64,13 +66,14 @@ static inline void visit_part(const chi_grid_cell* cell, const chi_cell_part* pa
     }
     if (faces >> f & 1)
     {
-      visit_face(cell, apex, corner, face[0], visit, data);
+      visit_face(cell, apex, corner, face[0], 0, visit, data);
     }
   }
 }
 
+/* `flips`, by bits: faces that go the other way round. */
 static inline void visit_polyhedron(
-  const chi_grid_cell* cell, int from_center, visit_fn visit, void* data)
+  const chi_grid_cell* cell, int from_center, uint64_t flips, visit_fn visit, void* data)
 {
   int64_t apex = from_center ? CHI_CELL_CENTER : INT64_MAX;
   const int64_t* at = cell->faces;
@@ -85,9 +88,75 @@ static inline void visit_polyhedron(
   for (size_t f = 0; f < cell->face_count; ++f)
   {
     const size_t count = (size_t)*at++;
-    visit_face(cell, apex, at, count, visit, data);
+    visit_face(cell, apex, at, count, f < 64 && flips >> f & 1, visit, data);
     at += count;
   }
+}
+
+/* 1: b follows a somewhere in the face, -1: a follows b, 0: neither */
+static int direction_of(const int64_t* face, size_t count, int64_t a, int64_t b)
+{
+  int64_t last = face[count - 1];
+  for (size_t k = 0; k < count; last = face[k++])
+  {
+    if ((last == a && face[k] == b) || (last == b && face[k] == a))
+    {
+      return last == a ? 1 : -1;
+    }
+  }
+  return 0;
+}
+
+/* Whether the first face's way round is the second's: they cross a common edge in opposite
+ * directions if so. 1: yes, -1: no, 0: no common edge */
+static int compare_ways(const int64_t* f, size_t f_count, const int64_t* g, size_t g_count)
+{
+  int64_t last = f[f_count - 1];
+  for (size_t k = 0; k < f_count; last = f[k++])
+  {
+    const int direction = direction_of(g, g_count, last, f[k]);
+    if (direction != 0)
+    {
+      return -direction;
+    }
+  }
+  return 0;
+}
+
+/* The faces of a polyhedron, by bits, that must go the other way round for all to go as the first
+ * does. VTK asks for outward faces, and readers do not always give them. Those beyond 64 are
+ * believed.
+ */
+static uint64_t find_flips(const chi_grid_cell* cell)
+{
+  const int64_t* face[64];
+  size_t queue[64], queued = 1;
+  const size_t faces = cell->face_count < 64 ? cell->face_count : 64;
+  const int64_t* at = cell->faces;
+  for (size_t f = 0; f < faces; ++f)
+  {
+    face[f] = at + 1;
+    at += *at + 1;
+  }
+  uint64_t flips = 0, known = 1;
+  queue[0] = 0;
+  for (size_t q = 0; q < queued; ++q)
+  {
+    const size_t f = queue[q];
+    for (size_t g = 1; g < faces; ++g)
+    {
+      const int way = known >> g & 1
+        ? 0
+        : compare_ways(face[f], (size_t)face[f][-1], face[g], (size_t)face[g][-1]);
+      if (way != 0)
+      {
+        flips |= ((flips >> f & 1) ^ (way < 0)) << g;
+        known |= (uint64_t)1 << g;
+        queue[queued++] = g;
+      }
+    }
+  }
+  return flips;
 }
 
 static uint32_t nodes_of(const chi_cell_part* part, size_t f)
@@ -122,11 +191,11 @@ static uint32_t outer_faces(const chi_cell_type* type, size_t part)
 }
 
 static inline void visit_cell(
-  const chi_grid_cell* cell, int from_center, visit_fn visit, void* data)
+  const chi_grid_cell* cell, int from_center, uint64_t flips, visit_fn visit, void* data)
 {
   if (!cell->type)
   {
-    visit_polyhedron(cell, from_center, visit, data);
+    visit_polyhedron(cell, from_center, flips, visit, data);
     return;
   }
   for (size_t p = 0; p < cell->type->parts; ++p)
@@ -196,11 +265,26 @@ static inline void add_to_measure(void* data, const int64_t corner[4])
   ++m->count;
 }
 
-static inline measure measure_split(const chi_grid_cell* cell, int from_center)
+static inline measure measure_split(const chi_grid_cell* cell, int from_center, uint64_t flips)
 {
   measure m = { .cell = cell };
-  visit_cell(cell, from_center, add_to_measure, &m);
+  visit_cell(cell, from_center, flips, add_to_measure, &m);
   return m;
+}
+
+/* What rounded coordinates do to six volumes of a tetrahedron: a corner moves by up to sqrt(3) u
+ * size, they by twice the area of the face opposite, at most sqrt(3) / 2 L^2, times that. So four
+ * corners give 6 u size L^2; the arithmetic, of a few u L^3, fits into the rest. */
+static double noise_of(const chi_grid_cell* cell)
+{
+  double square = 0, size = 0;
+  for (int a = 0; a < 3; ++a)
+  {
+    const double d = cell->high[a] - cell->low[a];
+    square += d * d;
+    size = fmax(size, fmax(fabs(cell->low[a]), fabs(cell->high[a])));
+  }
+  return 8 * cell->grid->rounding * size * square;
 }
 
 /* All of one orientation, but for what rounded coordinates may have turned. */
@@ -209,27 +293,51 @@ static int is_one_sided(const measure* m, double noise)
   return m->least >= -noise || m->most <= noise;
 }
 
+/* Fit for cells whose cone has tetrahedra of both orientations, by more than exact arithmetic's
+ * sign. */
+static measure choose_way(chi_grid_cell* cell, const measure* cone, chi_cell_split* split)
+{
+  const double noise = noise_of(cell);
+  uint64_t flips = 0;
+  split->way = CHI_SPLIT_SIGNED;
+  if (is_one_sided(cone, noise))
+  {
+    return *cone;
+  }
+  if (!cell->type)
+  {
+    flips = find_flips(cell);
+    const measure again = measure_split(cell, 0, flips);
+    if (is_one_sided(&again, noise))
+    {
+      return again;
+    }
+  }
+  chi_cell_find_center(cell);
+  const measure star = measure_split(cell, 1, flips);
+  split->way = CHI_SPLIT_CENTER;
+  split->folded = !is_one_sided(&star, noise);
+  return star;
+}
+
 void chi_cell_choose(chi_grid_cell* cell, chi_cell_split* split)
 {
-  measure used = measure_split(cell, 0);
-  *split = (chi_cell_split){ .way = CHI_SPLIT_SIGNED };
-  if (used.least >= 0 || used.most <= 0)
+  measure used = { .cell = cell };
+  *split = (chi_cell_split){ .way = CHI_SPLIT_POSITIVE };
+  if (cell->count == 4 && cell->type)
   {
-    split->way = used.least >= 0 ? CHI_SPLIT_POSITIVE : CHI_SPLIT_NEGATIVE;
+    add_to_measure(&used, in_order);
   }
-  else if (!is_one_sided(&used, cell->noise))
+  else
   {
-    chi_cell_find_center(cell);
-    const measure star = measure_split(cell, 1);
-    /* Tetrahedra that do not overlap have the cell's volume, others more: this tells where the
-     * faces of a polyhedron are not all outward, and signs say nothing. */
-    const double slack = 1e-9 * star.total + (double)star.count * cell->noise;
-    const int alike = !cell->type && fabs(used.total - star.total) <= slack;
-    if (!alike)
+    used = measure_split(cell, 0, 0);
+  }
+  if (used.least < 0)
+  {
+    split->way = CHI_SPLIT_NEGATIVE;
+    if (used.most > 0)
     {
-      split->way = CHI_SPLIT_CENTER;
-      split->folded = !is_one_sided(&star, cell->noise);
-      used = star;
+      used = choose_way(cell, &used, split);
     }
   }
   split->tetrahedra = used.count;
@@ -267,6 +375,11 @@ size_t chi_cell_write(
   const chi_grid_cell* cell, int way, uint32_t center_id, uint32_t (*vertices)[4])
 {
   writing w = { cell, way, center_id, vertices, 0 };
-  visit_cell(cell, way == CHI_SPLIT_CENTER, write_tetrahedron, &w);
+  if (cell->count == 4 && cell->type)
+  {
+    write_tetrahedron(&w, in_order);
+    return w.count;
+  }
+  visit_cell(cell, way == CHI_SPLIT_CENTER, 0, write_tetrahedron, &w);
   return w.count;
 }
