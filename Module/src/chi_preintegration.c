@@ -5,6 +5,13 @@
 
 #include <math.h>
 
+enum
+{
+  FULL_SCALARS = 256, /* entries of the full table each way ... */
+  FULL_DEPTHS = 32,   /* 32 MiB; theory/preintegration.md has the errors of other sizes */
+  FULL_ENTRIES = FULL_SCALARS * FULL_SCALARS * FULL_DEPTHS
+};
+
 /* What the tables were made of. */
 typedef struct sources
 {
@@ -19,6 +26,7 @@ struct chi_preintegration
   float (*entries)[4]; /* color, then depth: [2 x (room + 1)] */
   size_t room;
   float (*psi)[CHI_PSI_SIZE]; /* made once */
+  float (*full)[4];           /* [FULL_ENTRIES] */
   uint64_t version;
 };
 
@@ -63,6 +71,10 @@ void chi_preintegration_destroy(const chi_exec* exec, chi_preintegration* p)
   {
     chi_free(exec, p->psi, CHI_PSI_SIZE, sizeof *p->psi);
   }
+  if (p->full)
+  {
+    chi_free(exec, p->full, FULL_ENTRIES, sizeof *p->full);
+  }
   chi_free(exec, p, 1, sizeof *p);
 }
 
@@ -85,7 +97,7 @@ static int is_valid(const sources* s)
   if (!t->rgb || !t->opacity || t->plane || t->table_count > 1 || t->count < 2 ||
     t->count > 65536 || !(t->range[0] < t->range[1]) || !isfinite(t->range[1] - t->range[0]) ||
     !(t->unit_distance > 0) || !isfinite(t->unit_distance) || p->method < CHI_PREINTEGRATION_AUTO ||
-    p->method > CHI_PREINTEGRATION_PARTIAL || p->opacity_convention < CHI_OPACITY_LINEAR ||
+    p->method > CHI_PREINTEGRATION_FULL || p->opacity_convention < CHI_OPACITY_LINEAR ||
     p->opacity_convention > CHI_OPACITY_IMAGE || !(p->longest_segment >= 0) ||
     !isfinite(p->longest_segment) || !(p->segment_range >= 0) || !isfinite(p->segment_range))
   {
@@ -170,6 +182,66 @@ static int make_room(const chi_exec* exec, chi_preintegration* p, size_t count)
   return p->entries && p->psi;
 }
 
+/* Premultiplied colour and optical depth of a segment from place a to b without attenuation, as the
+ * transfer function has it and as partial pre-integration does; the larger difference. */
+static double linear_error(const chi_segment_tables* t, double a, double b, double length)
+{
+  double front[4], back[4], sum[4] = { 0 }, linear[4] = { 0 }, error = 0;
+  chi_classify_at(t->color, t->count, a, front);
+  chi_classify_at(t->color, t->count, b, back);
+  chi_integrate_entries(t->color, t->count, a, b, sum);
+  chi_add_products(front, back, b - a, linear);
+  for (int c = 0; c < 4; ++c)
+  {
+    error = fmax(error, fabs(sum[c] - linear[c]));
+  }
+  const double thick = 1 + fmin(sum[3], linear[3]) * length / (b - a); /* what is left of it */
+  return error * length / (b - a) / thick;
+}
+
+/* Whether segments of at most that range and length may be taken as linear: the error that one of
+ * them adds to a pixel is 1/510 at most. That is of the longest one, and a ray that crosses some
+ * such cells crosses them elsewhere in the table. */
+static int is_linear(const chi_segment_tables* t, const sources* s)
+{
+  const double end = t->count - 1;
+  const double range =
+    s->params.segment_range > 0 ? s->params.segment_range / (t->range[1] - t->range[0]) * end : end;
+  const double half = 0.5 * fmin(range, end);
+  const double length =
+    s->params.longest_segment > 0 ? s->params.longest_segment : s->transfer.unit_distance;
+  const double step = fmax(1, floor(0.25 * half));
+  for (double x = 0; x <= end; x += step)
+  {
+    for (double width = half; width >= 0.25 * half; width *= 0.5) /* bends up and down may cancel */
+    {
+      const double a = fmax(x - width, 0), b = fmin(x + width, end);
+      if (linear_error(t, a, b, length * (b - a) / (2 * half)) > 0.5 / 255)
+      {
+        return 0;
+      }
+    }
+  }
+  return 1;
+}
+
+static chi_status fill_full(const chi_exec* exec, chi_preintegration* p, chi_segment_tables* t)
+{
+  if (!p->full)
+  {
+    p->full = (float(*)[4])chi_alloc(exec, FULL_ENTRIES, sizeof *p->full);
+    if (!p->full)
+    {
+      return CHI_ERROR_OUT_OF_MEMORY;
+    }
+  }
+  const size_t n = (size_t)t->count;
+  t->full = (const float(*)[4])p->full;
+  t->full_size[0] = t->full_size[1] = FULL_SCALARS;
+  t->full_size[2] = FULL_DEPTHS;
+  return chi_fill_full(exec, t->color, p->entries + n + 1, n, t->full_size, p->full);
+}
+
 chi_status chi_preintegration_update(const chi_exec* exec, chi_preintegration* p,
   const chi_transfer_view* transfer, const chi_preintegration_params* params)
 {
@@ -187,22 +259,31 @@ chi_status chi_preintegration_update(const chi_exec* exec, chi_preintegration* p
     return CHI_OK;
   }
   memset(&p->tables, 0, sizeof p->tables);
-  if (!make_room(exec, p, now.transfer.count))
+  const size_t count = now.transfer.count;
+  if (!make_room(exec, p, count))
   {
     return CHI_ERROR_OUT_OF_MEMORY;
   }
   fill_entries(p, &now);
-  const size_t count = now.transfer.count;
-  p->sources = now;
-  p->tables = (chi_segment_tables){ .struct_size = sizeof p->tables,
-    .method = now.params.method ? now.params.method : CHI_PREINTEGRATION_PARTIAL,
+  chi_segment_tables t = { .struct_size = sizeof t,
+    .method = now.params.method,
     .count = (int32_t)count,
     .range = { now.transfer.range[0], now.transfer.range[1] },
     .color = (const float(*)[4])p->entries,
     .depth = (const float(*)[4])p->entries + count + 1,
-    .psi = p->psi[0],
-    .version = ++p->version };
-  return CHI_OK;
+    .psi = p->psi[0] };
+  if (t.method == CHI_PREINTEGRATION_AUTO)
+  {
+    t.method = is_linear(&t, &now) ? CHI_PREINTEGRATION_PARTIAL : CHI_PREINTEGRATION_FULL;
+  }
+  const chi_status status = t.method == CHI_PREINTEGRATION_FULL ? fill_full(exec, p, &t) : CHI_OK;
+  if (status == CHI_OK)
+  {
+    t.version = ++p->version;
+    p->tables = t;
+    p->sources = now;
+  }
+  return status;
 }
 
 void chi_preintegration_get_tables(const chi_preintegration* p, chi_segment_tables* tables)

@@ -379,4 +379,44 @@ CHI_INLINE void vf_load_pairs(const float (*table)[4], const int32_t* at, vf fir
 #endif
 }
 
+/* The inverse of vf_load_entries, one after the other: table[i][k] = in[k][i]. */
+CHI_INLINE void vf_store_entries(float (*table)[4], const vf in[4])
+{
+#if defined(CHI_VEC_AVX512)
+  const __m512d a = (__m512d)_mm512_unpacklo_ps((__m512)in[0], (__m512)in[1]);
+  const __m512d b = (__m512d)_mm512_unpackhi_ps((__m512)in[0], (__m512)in[1]);
+  const __m512d c = (__m512d)_mm512_unpacklo_ps((__m512)in[2], (__m512)in[3]);
+  const __m512d d = (__m512d)_mm512_unpackhi_ps((__m512)in[2], (__m512)in[3]);
+  const __m512 row[4] = { (__m512)_mm512_unpacklo_pd(a, c), (__m512)_mm512_unpackhi_pd(a, c),
+    (__m512)_mm512_unpacklo_pd(b, d), (__m512)_mm512_unpackhi_pd(b, d) };
+  for (int k = 0; k < 4; ++k)
+  {
+    _mm_storeu_ps(table[k], _mm512_castps512_ps128(row[k]));
+    _mm_storeu_ps(table[k + 4], _mm512_extractf32x4_ps(row[k], 1));
+    _mm_storeu_ps(table[k + 8], _mm512_extractf32x4_ps(row[k], 2));
+    _mm_storeu_ps(table[k + 12], _mm512_extractf32x4_ps(row[k], 3));
+  }
+#elif defined(CHI_VEC_AVX2)
+  const __m256d a = (__m256d)_mm256_unpacklo_ps((__m256)in[0], (__m256)in[1]);
+  const __m256d b = (__m256d)_mm256_unpackhi_ps((__m256)in[0], (__m256)in[1]);
+  const __m256d c = (__m256d)_mm256_unpacklo_ps((__m256)in[2], (__m256)in[3]);
+  const __m256d d = (__m256d)_mm256_unpackhi_ps((__m256)in[2], (__m256)in[3]);
+  const __m256 row[4] = { (__m256)_mm256_unpacklo_pd(a, c), (__m256)_mm256_unpackhi_pd(a, c),
+    (__m256)_mm256_unpacklo_pd(b, d), (__m256)_mm256_unpackhi_pd(b, d) };
+  for (int k = 0; k < 4; ++k)
+  {
+    _mm_storeu_ps(table[k], _mm256_castps256_ps128(row[k]));
+    _mm_storeu_ps(table[k + 4], _mm256_extractf128_ps(row[k], 1));
+  }
+#else
+  for (int i = 0; i < CHI_LANES; ++i)
+  {
+    for (int k = 0; k < 4; ++k)
+    {
+      table[i][k] = in[k][i];
+    }
+  }
+#endif
+}
+
 #endif
