@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What vtkChiCombinedOcclusionVolumeMapper tells of its last frame: pictures, counters, times.
 #include "vtkChiCombinedOcclusionInternals.h"
+#include "vtkChiFloatImage.h"
 
 #include "vtkFloatArray.h"
 #include "vtkImageData.h"
@@ -10,23 +11,6 @@
 #include "vtkPointData.h"
 
 #include <algorithm>
-
-namespace
-{
-//------------------------------------------------------------------------------
-vtkFloatArray* allocateImage(
-  vtkImageData* image, int width, int height, int components, const char* name)
-{
-  image->Initialize();
-  image->SetDimensions(width, height, width > 0 && height > 0 ? 1 : 0);
-  vtkNew<vtkFloatArray> values;
-  values->SetName(name);
-  values->SetNumberOfComponents(components);
-  values->SetNumberOfTuples(static_cast<vtkIdType>(width) * height);
-  image->GetPointData()->SetScalars(values);
-  return vtkFloatArray::SafeDownCast(image->GetPointData()->GetScalars());
-}
-}
 
 //------------------------------------------------------------------------------
 bool vtkChiCombinedOcclusionVolumeMapper::GetVisibilityImage(vtkImageData* image)
@@ -39,7 +23,7 @@ bool vtkChiCombinedOcclusionVolumeMapper::GetVisibilityImage(vtkImageData* image
   this->Internal->ReadImage();
   const chi_occlusion_image& from = this->Internal->Image;
   const bool colored = from.visibility_rgb != nullptr;
-  vtkFloatArray* values = allocateImage(image, from.visibility ? from.width : 0,
+  vtkFloatArray* values = vtkChiAllocateImage(image, from.visibility ? from.width : 0,
     from.visibility ? from.height : 0, colored ? 3 : 1, "Visibility");
   if (!from.visibility)
   {
@@ -65,7 +49,7 @@ bool vtkChiCombinedOcclusionVolumeMapper::GetFloatImage(vtkImageData* image)
   }
   const chi_occlusion_image& from = in.Image;
   vtkFloatArray* values =
-    allocateImage(image, from.rgba ? from.width : 0, from.rgba ? from.height : 0, 4, "RGBA");
+    vtkChiAllocateImage(image, from.rgba ? from.width : 0, from.rgba ? from.height : 0, 4, "RGBA");
   if (!from.rgba)
   {
     return false;
@@ -86,7 +70,7 @@ bool vtkChiCombinedOcclusionVolumeMapper::GetFloatImage(vtkImageData* image)
     vtkErrorMacro(
       "GetFloatImage cannot read the colours of the opaque geometry: the window is gone or "
       "has drawn another size since.");
-    allocateImage(image, 0, 0, 4, "RGBA");
+    vtkChiAllocateImage(image, 0, 0, 4, "RGBA");
     return false;
   }
   std::vector<float> specular;
@@ -127,11 +111,11 @@ bool vtkChiCombinedOcclusionVolumeMapper::GetGeometryImage(vtkImageData* image)
     !geometry->ReadColor(vtkOpenGLRenderWindow::SafeDownCast(in.Window), colors) ||
     !geometry->ReadNormals(in.Scene, normals))
   {
-    allocateImage(image, 0, 0, 4, "RGBA");
+    vtkChiAllocateImage(image, 0, 0, 4, "RGBA");
     return false;
   }
   vtkFloatArray* rgba =
-    allocateImage(image, geometry->GetWidth(), geometry->GetHeight(), 4, "RGBA");
+    vtkChiAllocateImage(image, geometry->GetWidth(), geometry->GetHeight(), 4, "RGBA");
   const vtkIdType pixels = rgba->GetNumberOfTuples();
   std::copy(colors.begin(), colors.end(), rgba->GetPointer(0));
   vtkNew<vtkFloatArray> normal;

@@ -9,16 +9,14 @@
 
 #include "vtkChiCombinedOcclusionInternals.h"
 #include "vtkChiExec.h"
+#include "vtkChiPassKeys.h"
 
 #include "vtkAlgorithm.h"
 #include "vtkDataSet.h"
-#include "vtkInformation.h"
 #include "vtkMath.h"
 #include "vtkMultiVolume.h"
 #include "vtkObjectFactory.h"
-#include "vtkOpenGLRenderPass.h"
 #include "vtkOpenGLRenderWindow.h"
-#include "vtkPropCollection.h"
 #include "vtkRenderer.h"
 #include "vtkTimerLog.h"
 #include "vtkVolume.h"
@@ -34,42 +32,6 @@ vtkStandardNewMacro(vtkChiCombinedOcclusionVolumeMapper);
 
 namespace
 {
-//------------------------------------------------------------------------------
-bool isPeeling(vtkVolume* volume)
-{
-  vtkInformation* keys = volume->GetPropertyKeys();
-  if (keys && keys->Has(vtkOpenGLRenderPass::RenderPasses()))
-  {
-    const int count = keys->Length(vtkOpenGLRenderPass::RenderPasses());
-    for (int i = 0; i < count; ++i)
-    {
-      if (keys->Get(vtkOpenGLRenderPass::RenderPasses(), i)->IsA("vtkDualDepthPeelingPass"))
-      {
-        return true;
-      }
-    }
-  }
-  return false;
-}
-
-//------------------------------------------------------------------------------
-int countOcclusionVolumes(vtkRenderer* renderer)
-{
-  int count = 0;
-  vtkCollectionSimpleIterator cookie;
-  vtkPropCollection* props = renderer->GetViewProps();
-  props->InitTraversal(cookie);
-  while (vtkProp* prop = props->GetNextProp(cookie))
-  {
-    vtkVolume* volume = vtkVolume::SafeDownCast(prop);
-    count += volume && volume->GetVisibility() &&
-        vtkChiCombinedOcclusionVolumeMapper::SafeDownCast(volume->GetMapper())
-      ? 1
-      : 0;
-  }
-  return count;
-}
-
 //------------------------------------------------------------------------------
 // World units; of a sheared box the root of its edges' squares.
 double diagonalOf(const chi_volume_view& volume)
@@ -189,7 +151,7 @@ void vtkChiCombinedOcclusionVolumeMapper::Render(vtkRenderer* renderer, vtkVolum
   in.Interactive =
     this->AutoAdjustQuality && volume->GetAllocatedRenderTime() * this->InteractiveUpdateRate < 1.0;
   const double start = vtkTimerLog::GetUniversalTime();
-  in.Peeling = isPeeling(volume);
+  in.Peeling = vtkChiIsPeeled(volume);
   if (in.Frame->HasDrawn(volume))
   {
     if (in.Peeling)
@@ -233,7 +195,7 @@ bool vtkChiCombinedOcclusionVolumeMapper::Collect(vtkRenderer* renderer, vtkVolu
     this->SayOnce(in.Camera.GetLimit());
   }
   in.First = in.Frame->IsFirst();
-  in.Shared = countOcclusionVolumes(renderer) > 1;
+  in.Shared = vtkChiOcclusionFrame::CountVolumes(renderer, false) > 1;
 
   if (this->GetInputAlgorithm())
   {
@@ -441,7 +403,8 @@ void vtkChiCombinedOcclusionVolumeMapper::RenderSelection(vtkRenderer* renderer,
       return;
     }
   }
-  if (!in.Selection.Draw(renderer, in.Camera, *in.Input.GetVolume()))
+  if (!in.Selection.Draw(renderer, in.Camera,
+        vtkChiSelection::GetIdsOfImage(*in.Camera.Get(), *in.Input.GetVolume())))
   {
     this->SayOnce("the shader that draws the selection could not be built", true);
   }
@@ -560,8 +523,10 @@ void vtkChiCombinedOcclusionVolumeMapper::Composite(vtkRenderer* renderer, vtkVo
   {
     in.ReadImage();
   }
-  in.Frame->AddLayer(
-    volume, in.Camera.Get(), in.HasVolume ? in.Input.GetVolume() : nullptr, &in.Image, in.Shared);
+  const bool keep = in.Shared && in.HasVolume;
+  const vtkChiOcclusionFrame::Box box =
+    keep ? vtkChiOcclusionFrame::GetBoxOf(*in.Input.GetVolume()) : vtkChiOcclusionFrame::Box();
+  in.Frame->AddLayer(volume, in.Camera.Get(), keep ? &box : nullptr, &in.Image, true);
   vtkChiCompositor::Picture picture;
   picture.Width = in.Image.width;
   picture.Height = in.Image.height;
@@ -571,7 +536,7 @@ void vtkChiCombinedOcclusionVolumeMapper::Composite(vtkRenderer* renderer, vtkVo
   picture.RgbaTexture = in.Engine.GetLayer();
   picture.VisibilityTexture = in.Engine.GetVisibility();
   // merged pictures change with what lies in front and behind
-  const bool merge = in.Shared && !in.First;
+  const bool merge = in.Shared && in.Frame->GetNumberOfLayers() > 1;
   picture.Unchanged = in.Stats.reused != 0 && !merge && !in.LastMerged;
   in.LastMerged = merge;
   if (merge)
@@ -584,11 +549,12 @@ void vtkChiCombinedOcclusionVolumeMapper::Composite(vtkRenderer* renderer, vtkVo
   }
   picture.Surface = geometry->GetView() ? geometry->GetColor() : nullptr;
   picture.Specular = merge && !in.Merged.empty() ? nullptr : geometry->GetSpecular();
-  picture.First = in.First;
+  // not where that would take away what others have drawn, unless nobody draws the geometry else
+  picture.First = in.First && (!merge || geometry->IsHiding());
   picture.Hidden = geometry->IsHiding();
   picture.Smooth = (this->GeometryAntiAliasing == GEOMETRY_FXAA ||
                      this->GeometryAntiAliasing == GEOMETRY_MULTISAMPLE_AND_FXAA) &&
-    in.Frame->GetNumberOfLayers() >= countOcclusionVolumes(renderer);
+    in.Frame->GetNumberOfShadingLayers() >= vtkChiOcclusionFrame::CountVolumes(renderer, true);
   picture.Layered = in.Frame->GetTranslucent()->IsHiding();
   picture.Peeling = in.Peeling;
   picture.Dither = this->Dither;

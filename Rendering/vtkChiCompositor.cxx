@@ -76,7 +76,7 @@ vtkChiCompositor::~vtkChiCompositor()
 bool vtkChiCompositor::Draw(vtkRenderer* renderer, const Picture& picture)
 {
   vtkOpenGLRenderWindow* window = vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow());
-  if (!picture.RgbaTexture || !picture.VisibilityTexture)
+  if (!picture.RgbaTexture)
   {
     this->Upload(window, picture);
   }
@@ -124,8 +124,11 @@ void vtkChiCompositor::Upload(vtkOpenGLRenderWindow* window, const Picture& pict
   }
   uploadPlane(this->Layer, window, picture.Width, picture.Height, 4, picture.Rgba);
   const bool colored = picture.VisibilityRgb != nullptr;
-  uploadPlane(this->Visibility, window, picture.Width, picture.Height, colored ? 3 : 1,
-    colored ? picture.VisibilityRgb : picture.Visibility);
+  if (colored || picture.Visibility)
+  {
+    uploadPlane(this->Visibility, window, picture.Width, picture.Height, colored ? 3 : 1,
+      colored ? picture.VisibilityRgb : picture.Visibility);
+  }
   this->Uploaded = true;
 }
 
@@ -170,10 +173,16 @@ void vtkChiCompositor::DrawQuad(vtkRenderer* renderer, const Picture& picture)
   state->vtkglDisable(GL_CULL_FACE);
 
   // a texture that is missing is declared in the shader, but not read
-  const bool uploaded = !picture.RgbaTexture || !picture.VisibilityTexture;
+  const bool uploaded = !picture.RgbaTexture;
   vtkTextureObject* layer = uploaded ? this->Layer.Get() : picture.RgbaTexture;
-  vtkTextureObject* textures[4] = { layer,
-    uploaded ? this->Visibility.Get() : picture.VisibilityTexture, picture.Surface,
+  vtkTextureObject* visibility = picture.VisibilityTexture;
+  bool colored = visibility && visibility->GetComponents() > 1;
+  if (uploaded)
+  {
+    colored = picture.VisibilityRgb != nullptr;
+    visibility = colored || picture.Visibility ? this->Visibility.Get() : nullptr;
+  }
+  vtkTextureObject* textures[4] = { layer, visibility, picture.Surface,
     picture.Surface ? picture.Specular : nullptr };
   const char* names[4] = { "layerTexture", "visibilityTexture", "surfaceTexture",
     "specularTexture" };
@@ -193,8 +202,6 @@ void vtkChiCompositor::DrawQuad(vtkRenderer* renderer, const Picture& picture)
   const bool rewrite = picture.Surface && picture.First &&
     (picture.Hidden || mayRewriteSurface(renderer, picture.Layered));
   program->SetUniformi("rewriteSurface", rewrite ? 1 : 0);
-  const bool colored =
-    uploaded ? picture.VisibilityRgb != nullptr : picture.VisibilityTexture->GetComponents() > 1;
   program->SetUniformi("coloredVisibility", colored ? 1 : 0);
   // One alpha cannot darken colours by different parts: then they are multiplied first. Where
   // geometry is rewritten nothing of it is left to darken.

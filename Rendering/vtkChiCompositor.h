@@ -23,7 +23,7 @@ public:
     int Width = 0;
     int Height = 0;
     const float* Rgba = nullptr;          // [height x width x 4] premultiplied
-    const float* Visibility = nullptr;    // [height x width] of the opaque geometry
+    const float* Visibility = nullptr;    // [height x width] of the opaque geometry, if shaded
     const float* VisibilityRgb = nullptr; // [height x width x 3] in its place, where colours differ
     vtkTextureObject* RgbaTexture = nullptr;       // the same where the picture lies in textures;
     vtkTextureObject* VisibilityTexture = nullptr; // null: the floats are uploaded

@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkChiMaskInput.h"
+#include "vtkChiClipInput.h"
+#include "vtkChiInputTools.h"
 #include "vtkChiViews.h"
 
 #include "vtkAbstractVolumeMapper.h"
@@ -18,11 +20,6 @@
 
 namespace
 {
-std::uint64_t bits(const void* pointer)
-{
-  return static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(pointer));
-}
-
 std::string describe(const std::size_t dimensions[3])
 {
   return std::to_string(dimensions[0]) + " x " + std::to_string(dimensions[1]) + " x " +
@@ -39,29 +36,6 @@ bool matches(const int points[3], int less, const std::size_t dimensions[3])
   }
   return same;
 }
-}
-
-//------------------------------------------------------------------------------
-void vtkChiMaskInput::PlacePlane(
-  const double plane[4], const double* toWorld, const double* world, double placed[4])
-{
-  double matrix[16];
-  std::copy(world, world + 16, matrix);
-  if (toWorld)
-  {
-    vtkMatrix4x4::Multiply4x4(world, toWorld, matrix);
-  }
-  // planes go with the inverse: plane . M^-1 . (M x) = plane . x
-  double inverse[16];
-  vtkMatrix4x4::Invert(matrix, inverse);
-  for (int column = 0; column < 4; ++column)
-  {
-    placed[column] = 0.0;
-    for (int row = 0; row < 4; ++row)
-    {
-      placed[column] += plane[row] * inverse[4 * row + column];
-    }
-  }
 }
 
 //------------------------------------------------------------------------------
@@ -91,7 +65,7 @@ bool vtkChiMaskInput::CollectCrop(
   {
     double equation[4] = { 0.0, 0.0, 0.0, -planes[k] };
     equation[k / 2] = 1.0;
-    vtkChiMaskInput::PlacePlane(
+    vtkChiClipInput::PlacePlane(
       equation, volume->GetMatrix()->GetData(), world, this->Crop.planes[k]);
   }
   this->HasCrop = true;
@@ -121,8 +95,8 @@ bool vtkChiMaskInput::CollectMask(vtkDataSet* input, const chi_volume_view& samp
       " are not supported yet: its samples are interpolated, all are drawn");
     this->HasMask = false;
   }
-  const std::array<std::uint64_t, 8> key = { bits(this->Mask.values), this->ValuesKey[1],
-    bits(this->Mask.point_flags), bits(this->Mask.cell_flags),
+  const std::array<std::uint64_t, 8> key = { vtkChiBits(this->Mask.values), this->ValuesKey[1],
+    vtkChiBits(this->Mask.point_flags), vtkChiBits(this->Mask.cell_flags),
     this->Mask.point_flags ? input->GetPointGhostArray()->GetMTime() : 0,
     this->Mask.cell_flags ? input->GetCellGhostArray()->GetMTime() : 0,
     this->HasMask ? input->GetMTime() : 0, mask ? mask->GetMTime() : 0 };
@@ -169,7 +143,7 @@ bool vtkChiMaskInput::CollectValues(const chi_volume_view& samples, vtkImageData
       ": nothing to draw";
     return false;
   }
-  const std::array<std::uint64_t, 2> key = { bits(array), array->GetMTime() };
+  const std::array<std::uint64_t, 2> key = { vtkChiBits(array), array->GetMTime() };
   if (key != this->ValuesKey || this->Found != array || !this->Values)
   {
     this->Found = array;

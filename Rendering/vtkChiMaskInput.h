@@ -25,12 +25,6 @@ class vtkVolume;
 class vtkChiMaskInput
 {
 public:
-  // A plane a x + b y + c z + d >= 0 of the space that `toWorld` carries to world space (null:
-  // world space itself), in the space that the core calls world, which `world` carries world space
-  // to.
-  static void PlacePlane(
-    const double plane[4], const double* toWorld, const double* world, double placed[4]);
-
   // False where what is left is not known: GetProblem says why. `samples` is what the core gets of
   // the input; `mask` may be null.
   bool CollectCrop(vtkAbstractVolumeMapper* mapper, vtkVolume* volume, const double* world);

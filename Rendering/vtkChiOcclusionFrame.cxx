@@ -24,6 +24,17 @@
 vtkStandardNewMacro(vtkChiOcclusionFrame);
 vtkInformationKeyMacro(vtkChiOcclusionFrame, FRAME, ObjectBase);
 
+namespace
+{
+//------------------------------------------------------------------------------
+bool isOurs(vtkAbstractVolumeMapper* mapper, bool shading)
+{
+  return mapper &&
+    (mapper->IsA("vtkChiCombinedOcclusionVolumeMapper") ||
+      (!shading && mapper->IsA("vtkChiProjectedTetrahedraMapper")));
+}
+}
+
 //------------------------------------------------------------------------------
 void vtkChiOcclusionFrame::PrintSelf(ostream& os, vtkIndent indent)
 {
@@ -56,9 +67,23 @@ vtkChiOcclusionFrame* vtkChiOcclusionFrame::Get(vtkRenderer* renderer)
 }
 
 //------------------------------------------------------------------------------
+int vtkChiOcclusionFrame::CountVolumes(vtkRenderer* renderer, bool shading)
+{
+  int count = 0;
+  vtkCollectionSimpleIterator cookie;
+  vtkVolumeCollection* volumes = renderer->GetVolumes();
+  volumes->InitTraversal(cookie);
+  while (vtkVolume* volume = volumes->GetNextVolume(cookie))
+  {
+    count += volume->GetVisibility() && isOurs(volume->GetMapper(), shading) ? 1 : 0;
+  }
+  return count;
+}
+
+//------------------------------------------------------------------------------
 // Whether one of these mappers will be asked to draw: VTK leaves out volumes that are not in view,
 // by this test (vtkFrustumCoverageCuller).
-bool vtkChiOcclusionFrame::WillDraw() const
+bool vtkChiOcclusionFrame::WillDraw(bool shading) const
 {
   double planes[24];
   this->Scene->GetActiveCamera()->GetFrustumPlanes(this->Scene->GetTiledAspectRatio(), planes);
@@ -69,8 +94,7 @@ bool vtkChiOcclusionFrame::WillDraw() const
   {
     // ParaView's volumes have theirs inside: taken to be one of these where one drew last
     vtkAbstractVolumeMapper* mapper = volume->GetMapper();
-    const bool draws =
-      mapper ? mapper->IsA("vtkChiCombinedOcclusionVolumeMapper") != 0 : this->DrewLast;
+    const bool draws = mapper ? isOurs(mapper, shading) : this->DrewLast[shading ? 1 : 0];
     const double* bounds = draws && volume->GetVisibility() ? volume->GetBounds() : nullptr;
     if (!bounds)
     {
@@ -116,9 +140,17 @@ void vtkChiOcclusionFrame::BeginFrame()
   this->Layers.clear();
   this->Translucent.Show();
   this->Geometry.Detach();
-  if (this->Scene && !this->Scene->GetSelector() && !this->Missed && this->WillDraw())
+  if (!this->Scene || this->Scene->GetSelector())
   {
-    this->Geometry.Attach(this->Scene, this->MultiSample && this->IsStock());
+    return;
+  }
+  const bool shading = !this->Missed && this->WillDraw(true);
+  if (shading || this->WillDraw(false))
+  {
+    this->Geometry.Attach(this->Scene, shading && this->MultiSample && this->IsStock());
+  }
+  if (shading)
+  {
     this->Translucent.Hide(this->Scene);
   }
 }
@@ -134,13 +166,14 @@ void vtkChiOcclusionFrame::EndFrame()
   {
     return;
   }
-  const bool drawn = !this->Layers.empty();
+  const bool drawn = !this->IsFirst();
   // drawn too early, or not at all: the props were to be hidden, or were not
   const bool wrong = drawn ? (!layersHidden && this->Translucent.Exist(this->Scene)) ||
       (!colorsHidden && this->MultiSample && this->IsStock() && this->Geometry.Exist(this->Scene))
                            : layersHidden || colorsHidden;
   this->Missed = (layersHidden || colorsHidden) && !drawn;
-  this->DrewLast = drawn;
+  this->DrewLast[0] = !this->Layers.empty();
+  this->DrewLast[1] = drawn;
   // what lies below cannot be brought back where the renderer does not erase; render passes of
   // others (ParaView's, say, across processes) are not to be surprised
   const bool may = !this->Again && !this->Scene->GetPass() && !this->Scene->Transparent() &&
@@ -161,12 +194,43 @@ bool vtkChiOcclusionFrame::HasDrawn(vtkVolume* volume) const
 }
 
 //------------------------------------------------------------------------------
-void vtkChiOcclusionFrame::AddLayer(vtkVolume* volume, const chi_camera* camera,
-  const chi_volume_view* samples, const chi_occlusion_image* image, bool keep)
+int vtkChiOcclusionFrame::GetNumberOfShadingLayers() const
+{
+  return static_cast<int>(std::count_if(
+    this->Layers.begin(), this->Layers.end(), [](const Layer& layer) { return layer.Shading; }));
+}
+
+//------------------------------------------------------------------------------
+const chi_surface_view* vtkChiOcclusionFrame::UpdateGeometry(
+  const vtkChiCameraView& camera, int width, int height)
+{
+  this->Geometry.Update(
+    this->Scene, camera, width, height, this->MultiSample && this->Geometry.IsHiding());
+  return this->Geometry.GetView();
+}
+
+//------------------------------------------------------------------------------
+vtkChiOcclusionFrame::Box vtkChiOcclusionFrame::GetBoxOf(const chi_volume_view& samples)
+{
+  Box box;
+  std::copy_n(samples.index_to_world, 16, box.ToWorld);
+  const double margin = samples.is_cell_data ? 0.5 : 0.0;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    box.Low[axis] = -margin;
+    box.High[axis] = static_cast<double>(samples.dimensions[axis]) - 1.0 + margin;
+  }
+  return box;
+}
+
+//------------------------------------------------------------------------------
+void vtkChiOcclusionFrame::AddLayer(vtkVolume* volume, const chi_camera* camera, const Box* box,
+  const chi_occlusion_image* image, bool shading)
 {
   Layer layer;
   layer.Volume = volume;
-  if (keep && samples)
+  layer.Shading = shading;
+  if (box)
   {
     const std::size_t pixels =
       static_cast<std::size_t>(image->width) * static_cast<std::size_t>(image->height);
@@ -175,20 +239,15 @@ void vtkChiOcclusionFrame::AddLayer(vtkVolume* volume, const chi_camera* camera,
     {
       layer.Visibility.assign(image->visibility_rgb, image->visibility_rgb + 3 * pixels);
     }
-    else
+    else if (image->visibility)
     {
       layer.Visibility.assign(image->visibility, image->visibility + pixels);
     }
     layer.Camera = *camera;
-    double indexToEye[16];
-    vtkMatrix4x4::Multiply4x4(camera->world_to_eye, samples->index_to_world, indexToEye);
-    vtkMatrix4x4::Invert(indexToEye, layer.EyeToIndex);
-    const double margin = samples->is_cell_data ? 0.5 : 0.0;
-    for (int axis = 0; axis < 3; ++axis)
-    {
-      layer.Low[axis] = -margin;
-      layer.High[axis] = static_cast<double>(samples->dimensions[axis]) - 1.0 + margin;
-    }
+    layer.Place = *box;
+    double boxToEye[16];
+    vtkMatrix4x4::Multiply4x4(camera->world_to_eye, box->ToWorld, boxToEye);
+    vtkMatrix4x4::Invert(boxToEye, layer.EyeToBox);
   }
   this->Layers.push_back(std::move(layer));
 }
@@ -197,7 +256,7 @@ void vtkChiOcclusionFrame::AddLayer(vtkVolume* volume, const chi_camera* camera,
 // Depth at which the ray of a pixel enters the layer's box; infinite where it misses it.
 double vtkChiOcclusionFrame::Layer::EntryDepth(double x, double y) const
 {
-  const double* m = this->EyeToIndex;
+  const double* m = this->EyeToBox;
   const double* window = this->Camera.window;
   const double px = window[0] + (window[1] - window[0]) * x / this->Camera.width;
   const double py = window[2] + (window[3] - window[2]) * y / this->Camera.height;
@@ -206,21 +265,21 @@ double vtkChiOcclusionFrame::Layer::EntryDepth(double x, double y) const
   double leave = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis)
   {
-    // place in index space at depth d: base + d * slope
+    // place in the box at depth d: base + d * slope
     const double* row = m + 4 * axis;
     const double across = row[0] * px + row[1] * py;
     const double base = row[3] + (parallel ? across : 0.0);
     const double slope = -row[2] + (parallel ? 0.0 : across);
     if (slope == 0.0)
     {
-      if (base < this->Low[axis] || base > this->High[axis])
+      if (base < this->Place.Low[axis] || base > this->Place.High[axis])
       {
         return std::numeric_limits<double>::infinity();
       }
       continue;
     }
-    const double first = (this->Low[axis] - base) / slope;
-    const double second = (this->High[axis] - base) / slope;
+    const double first = (this->Place.Low[axis] - base) / slope;
+    const double second = (this->Place.High[axis] - base) / slope;
     enter = std::max(enter, std::min(first, second));
     leave = std::min(leave, std::max(first, second));
   }
@@ -292,10 +351,12 @@ void vtkChiOcclusionFrame::MergeRow(
       }
     }
     float* target = rgba.data() + 4 * pixel;
-    const bool colored = 4 * last.Visibility.size() == 3 * last.Rgba.size();
+    const bool colored =
+      !last.Visibility.empty() && 4 * last.Visibility.size() == 3 * last.Rgba.size();
     for (std::size_t c = 0; c < 3; ++c)
     {
-      const float visibility = last.Visibility[colored ? 3 * pixel + c : pixel];
+      const float visibility =
+        last.Visibility.empty() ? 1.0f : last.Visibility[colored ? 3 * pixel + c : pixel];
       const float keep = (1.0f - target[3]) * visibility;
       const float highlight = specular.empty() ? 0.0f : specular[4 * pixel + c];
       const float behind = back[c] + (1.0f - back[3]) * highlight;

@@ -18,9 +18,9 @@ class vtkInformationObjectBaseKey;
 class vtkRenderer;
 class vtkVolume;
 
-// What the occlusion mappers of one renderer share: its opaque geometry, and which of them have
-// drawn in the frame that is under way. Hung into the renderer's information, so that it lives as
-// long.
+// What the mappers of one renderer share: its opaque geometry, and which of them have drawn in the
+// frame that is under way. Some shade the geometry (vtkChiCombinedOcclusionVolumeMapper), others
+// only end at it. Hung into the renderer's information, so that it lives as long.
 class vtkChiOcclusionFrame : public vtkObject
 {
 public:
@@ -28,6 +28,10 @@ public:
   vtkTypeMacro(vtkChiOcclusionFrame, vtkObject);
   void PrintSelf(ostream& os, vtkIndent indent) override;
   static vtkInformationObjectBaseKey* FRAME();
+
+  // Visible volumes of a renderer whose mapper is of one of these classes; of those that shade
+  // geometry alone.
+  static int CountVolumes(vtkRenderer* renderer, bool shading);
 
   // The one of this renderer, made at the first call.
   static vtkChiOcclusionFrame* Get(vtkRenderer* renderer);
@@ -37,9 +41,11 @@ public:
   // Whether this volume has been drawn since the renderer began the frame.
   bool HasDrawn(vtkVolume* volume) const;
   int GetNumberOfLayers() const { return static_cast<int>(this->Layers.size()); }
+  int GetNumberOfShadingLayers() const;
   // Whether the renderer draws opaque geometry by itself, plainly.
   bool IsStock() const;
-  bool IsFirst() const { return this->Layers.empty(); }
+  // Whether nobody has shaded the geometry yet.
+  bool IsFirst() const { return this->GetNumberOfShadingLayers() == 0; }
   // A volume is drawn twice in a frame only where someone renders without the renderer's event.
   void Forget() { this->Layers.clear(); }
   // Observers of the renderer.
@@ -51,14 +57,27 @@ public:
   // then the frame is drawn once more.
   vtkChiTranslucentLayers* GetTranslucent() { return &this->Translucent; }
 
-  // Keep a picture for those that are still to come. `keep` is false where nobody will ask for it:
-  // then only the fact is kept. A null volume stands for geometry alone.
-  void AddLayer(vtkVolume* volume, const chi_camera* camera, const chi_volume_view* samples,
-    const chi_occlusion_image* image, bool keep);
+  // Where a volume lies: a box, carried to the core's world by a row-major matrix.
+  struct Box
+  {
+    double ToWorld[16];
+    double Low[3];
+    double High[3];
+  };
+  static Box GetBoxOf(const chi_volume_view& samples);
+
+  // Keep a picture for those that are still to come, where `box` is not null; where nobody will ask
+  // for it, or there is geometry alone, the fact is kept. A picture without visibility leaves the
+  // geometry as it is.
+  void AddLayer(vtkVolume* volume, const chi_camera* camera, const Box* box,
+    const chi_occlusion_image* image, bool shading);
 
   // Whether the geometry's colours come from several samples a pixel. Then the renderer's own
   // drawing of them is hidden, from the next frame on, or from this one, drawn once more.
   void SetMultiSample(bool on) { this->MultiSample = on; }
+  // The same buffer for a mapper that only ends at the geometry: drawn as those that shade it have
+  // it drawn, so that it is not drawn twice.
+  const chi_surface_view* UpdateGeometry(const vtkChiCameraView& camera, int width, int height);
 
   // What the last layer must write so that it comes to lie between the earlier ones, some of which
   // are in front of it: premultiplied colour, and the layer's own alpha.
@@ -77,27 +96,27 @@ private:
   struct Layer
   {
     vtkVolume* Volume = nullptr;   // compared, never used
+    bool Shading = false;          // of the geometry
     std::vector<float> Rgba;       // empty: nothing but geometry, or not kept
-    std::vector<float> Visibility; // one value a pixel, or three
+    std::vector<float> Visibility; // one value a pixel, or three, or none: 1
     chi_camera Camera = {};
-    double EyeToIndex[16] = {};
-    double Low[3] = {}; // box in index space
-    double High[3] = {};
+    double EyeToBox[16] = {};
+    Box Place = {};
 
     double EntryDepth(double x, double y) const;
   };
 
   void MergeRow(int row, std::vector<float>& rgba, const std::vector<float>& specular) const;
 
-  bool WillDraw() const;
+  bool WillDraw(bool shading) const;
 
   vtkWeakPointer<vtkRenderer> Scene;
   vtkChiGeometryBuffer Geometry;
   vtkChiTranslucentLayers Translucent;
   bool MultiSample = false;
-  bool Missed = false;   // props were hidden, and no mapper drew
-  bool DrewLast = false; // a mapper drew in the last frame
-  bool Again = false;    // this frame is drawn for the second time
+  bool Missed = false;                 // props were hidden, and no mapper drew
+  bool DrewLast[2] = { false, false }; // a mapper drew in the last frame; one that shades
+  bool Again = false;                  // this frame is drawn for the second time
   std::vector<Layer> Layers;
 };
 

@@ -43,6 +43,19 @@ inline void vtkChiRemovePass(vtkProp* prop, vtkOpenGLRenderPass* pass)
   }
 }
 
+// Whether the depth peeling pass draws a prop, several times a frame.
+inline bool vtkChiIsPeeled(vtkProp* prop)
+{
+  vtkInformation* keys = prop->GetPropertyKeys();
+  vtkInformationObjectBaseVectorKey* key = vtkOpenGLRenderPass::RenderPasses();
+  bool peeled = false;
+  for (int i = 0; keys && keys->Has(key) && i < keys->Length(key); ++i)
+  {
+    peeled = peeled || keys->Get(key, i)->IsA("vtkDualDepthPeelingPass");
+  }
+  return peeled;
+}
+
 // Takes the keys of render passes that are under way (depth peeling, say) off a prop, because their
 // shaders write something else than colour, and puts them back.
 class vtkChiPlainShaders

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkChiSceneKey.h"
+#include "vtkChiInputTools.h"
 
 #include "vtkActor.h"
 #include "vtkAlgorithm.h"
@@ -17,22 +18,9 @@
 #include "vtkTexture.h"
 
 #include <algorithm>
-#include <cstring>
 
 namespace
 {
-std::uint64_t bits(double value)
-{
-  std::uint64_t pattern = 0;
-  std::memcpy(&pattern, &value, sizeof(pattern));
-  return pattern;
-}
-
-std::uint64_t bits(const void* pointer)
-{
-  return static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(pointer));
-}
-
 // When anything that a mapper draws was last modified. vtkActor looks at its first input only; a
 // glyph's shape comes in by the second.
 vtkMTimeType mapperTime(vtkMapper* mapper)
@@ -53,7 +41,7 @@ vtkMTimeType mapperTime(vtkMapper* mapper)
 // Everything that a prop's picture depends on.
 void appendProp(vtkProp* prop, std::vector<std::uint64_t>& key)
 {
-  key.push_back(bits(prop));
+  key.push_back(vtkChiBits(prop));
   vtkActor* actor = vtkActor::SafeDownCast(prop);
   if (actor)
   {
@@ -68,7 +56,7 @@ void appendProp(vtkProp* prop, std::vector<std::uint64_t>& key)
   {
     vtkProp* leaf = path->GetLastNode()->GetViewProp();
     vtkActor* part = vtkActor::SafeDownCast(leaf);
-    key.push_back(bits(leaf));
+    key.push_back(vtkChiBits(leaf));
     key.push_back(static_cast<std::uint64_t>(leaf->GetVisibility()));
     if (part)
     {
@@ -83,7 +71,7 @@ void appendProp(vtkProp* prop, std::vector<std::uint64_t>& key)
     vtkMatrix4x4* matrix = path->GetLastNode()->GetMatrix();
     for (int i = 0; matrix && i < 16; ++i)
     {
-      key.push_back(bits(matrix->GetData()[i]));
+      key.push_back(vtkChiBits(matrix->GetData()[i]));
     }
   }
 }
@@ -97,12 +85,12 @@ std::vector<std::uint64_t> vtkChiSceneKey(
   // values of matrices, not the camera's time stamp: some render passes swap the camera each frame
   for (int i = 0; i < 16; ++i)
   {
-    key.push_back(bits(camera.GetView()[i]));
-    key.push_back(bits(camera.GetProjection()[i]));
+    key.push_back(vtkChiBits(camera.GetView()[i]));
+    key.push_back(vtkChiBits(camera.GetProjection()[i]));
   }
   for (int i = 0; i < 3; ++i)
   {
-    key.push_back(bits(renderer->GetAmbient()[i]));
+    key.push_back(vtkChiBits(renderer->GetAmbient()[i]));
   }
   key.push_back(static_cast<std::uint64_t>(renderer->GetTwoSidedLighting()));
   vtkTexture* environment =
@@ -114,7 +102,7 @@ std::vector<std::uint64_t> vtkChiSceneKey(
   lights->InitTraversal(cookie);
   while (vtkLight* light = lights->GetNextLight(cookie))
   {
-    key.push_back(bits(light));
+    key.push_back(vtkChiBits(light));
     key.push_back(light->GetMTime());
   }
   for (vtkProp* prop : drawn)

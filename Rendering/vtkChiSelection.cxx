@@ -20,6 +20,7 @@
 #include "vtkShaderProgram.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -41,6 +42,32 @@ vtkIdType idAt(const double place[3], const chi_volume_view& samples, bool cells
   }
   return id;
 }
+}
+
+//------------------------------------------------------------------------------
+vtkChiSelection::Ids vtkChiSelection::GetIdsOfImage(
+  const chi_camera& camera, const chi_volume_view& samples)
+{
+  std::array<double, 16> eyeToIndex;
+  vtkMatrix4x4::Multiply4x4(camera.world_to_eye, samples.index_to_world, eyeToIndex.data());
+  vtkMatrix4x4::Invert(eyeToIndex.data(), eyeToIndex.data());
+  Ids ids;
+  ids.Points = 1;
+  ids.Cells = 1;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    const vtkIdType count = static_cast<vtkIdType>(samples.dimensions[axis]);
+    ids.Points *= count + (samples.is_cell_data ? 1 : 0);
+    ids.Cells *= std::max<vtkIdType>(count - (samples.is_cell_data ? 0 : 1), 1);
+  }
+  ids.Find = [eyeToIndex, &samples](std::size_t, const double eye[3], bool cell)
+  {
+    const double from[4] = { eye[0], eye[1], eye[2], 1.0 };
+    double place[4];
+    vtkMatrix4x4::MultiplyPoint(eyeToIndex.data(), from, place);
+    return idAt(place, samples, cell);
+  };
+  return ids;
 }
 
 //------------------------------------------------------------------------------
@@ -79,8 +106,9 @@ float* vtkChiSelection::Allocate(
 //------------------------------------------------------------------------------
 // One colour for all pixels, or that of the voxel in each.
 void vtkChiSelection::SetColors(vtkHardwareSelector* selector, const chi_camera& camera,
-  const chi_volume_view& samples, int pass, std::vector<float>& pixels) const
+  const Ids& ids, std::vector<float>& pixels) const
 {
+  const int pass = selector->GetCurrentPass();
   const bool points =
     pass == vtkHardwareSelector::POINT_ID_LOW24 || pass == vtkHardwareSelector::POINT_ID_HIGH24;
   const bool cells =
@@ -88,9 +116,6 @@ void vtkChiSelection::SetColors(vtkHardwareSelector* selector, const chi_camera&
   const int shift =
     pass == vtkHardwareSelector::POINT_ID_HIGH24 || pass == vtkHardwareSelector::CELL_ID_HIGH24 ? 24
                                                                                                 : 0;
-  double eyeToIndex[16];
-  vtkMatrix4x4::Multiply4x4(camera.world_to_eye, samples.index_to_world, eyeToIndex);
-  vtkMatrix4x4::Invert(eyeToIndex, eyeToIndex);
   float same[3];
   selector->GetPropColorValue(same);
   for (std::size_t pixel = 0; pixel < this->Depths.size(); ++pixel)
@@ -106,11 +131,9 @@ void vtkChiSelection::SetColors(vtkHardwareSelector* selector, const chi_camera&
     const double scale = camera.parallel ? 1.0 : depth;
     const double u = (static_cast<double>(pixel % width) + 0.5) / this->Width;
     const double v = (static_cast<double>(pixel / width) + 0.5) / this->Height;
-    const double eye[4] = { scale * (camera.window[0] + u * (camera.window[1] - camera.window[0])),
-      scale * (camera.window[2] + v * (camera.window[3] - camera.window[2])), -depth, 1.0 };
-    double place[4];
-    vtkMatrix4x4::MultiplyPoint(eyeToIndex, eye, place);
-    const vtkIdType id = idAt(place, samples, cells) >> shift;
+    const double eye[3] = { scale * (camera.window[0] + u * (camera.window[1] - camera.window[0])),
+      scale * (camera.window[2] + v * (camera.window[3] - camera.window[2])), -depth };
+    const vtkIdType id = ids.Find(pixel, eye, cells) >> shift;
     for (int c = 0; c < 3; ++c)
     {
       color[c] = static_cast<float>((id >> (8 * c)) & 255) / 255.0f;
@@ -119,11 +142,9 @@ void vtkChiSelection::SetColors(vtkHardwareSelector* selector, const chi_camera&
 }
 
 //------------------------------------------------------------------------------
-bool vtkChiSelection::Draw(
-  vtkRenderer* renderer, const vtkChiCameraView& camera, const chi_volume_view& samples)
+bool vtkChiSelection::Draw(vtkRenderer* renderer, const vtkChiCameraView& camera, const Ids& ids)
 {
   vtkHardwareSelector* selector = renderer->GetSelector();
-  const int pass = selector->GetCurrentPass();
   std::vector<float> pixels(4 * this->Depths.size());
   for (std::size_t pixel = 0; pixel < this->Depths.size(); ++pixel)
   {
@@ -134,20 +155,13 @@ bool vtkChiSelection::Draw(
     pixels[4 * pixel + 3] = static_cast<float>(std::max(window, 0.0));
   }
   selector->BeginRenderProp();
-  if (pass == vtkHardwareSelector::COMPOSITE_INDEX_PASS)
+  if (selector->GetCurrentPass() == vtkHardwareSelector::COMPOSITE_INDEX_PASS)
   {
     selector->RenderCompositeIndex(1);
   }
-  vtkIdType last[2] = { 1, 1 }; // numbers of points and of cells
-  for (int axis = 0; axis < 3; ++axis)
-  {
-    const vtkIdType count = static_cast<vtkIdType>(samples.dimensions[axis]);
-    last[0] *= count + (samples.is_cell_data ? 1 : 0);
-    last[1] *= std::max<vtkIdType>(count - (samples.is_cell_data ? 0 : 1), 1);
-  }
-  selector->UpdateMaximumPointId(last[0]);
-  selector->UpdateMaximumCellId(last[1]);
-  this->SetColors(selector, *camera.Get(), samples, pass, pixels);
+  selector->UpdateMaximumPointId(ids.Points);
+  selector->UpdateMaximumCellId(ids.Cells);
+  this->SetColors(selector, *camera.Get(), ids, pixels);
   const bool good = this->DrawQuad(renderer, pixels);
   selector->EndRenderProp();
   return good;

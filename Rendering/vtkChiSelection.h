@@ -13,6 +13,7 @@
 #include "vtkWeakPointer.h"
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 class vtkHardwareSelector;
@@ -25,6 +26,16 @@ class vtkVolume;
 class vtkChiSelection
 {
 public:
+  // Which points and cells there are to be found.
+  struct Ids
+  {
+    vtkIdType Points = 0; // how many
+    vtkIdType Cells = 0;
+    // Id of the cell, or of the point, that is found in a pixel, at this place in eye coordinates.
+    std::function<vtkIdType(std::size_t pixel, const double eye[3], bool cell)> Find;
+  };
+  static Ids GetIdsOfImage(const chi_camera& camera, const chi_volume_view& samples);
+
   vtkChiSelection();
   ~vtkChiSelection();
   vtkChiSelection(const vtkChiSelection&) = delete;
@@ -37,13 +48,13 @@ public:
   // Place for [height x width] depths along the view axis, infinite where there is nothing.
   float* Allocate(vtkVolume* volume, const vtkChiCameraView& camera, int width, int height);
   // Returns false where the shader cannot be built.
-  bool Draw(vtkRenderer* renderer, const vtkChiCameraView& camera, const chi_volume_view& samples);
+  bool Draw(vtkRenderer* renderer, const vtkChiCameraView& camera, const Ids& ids);
   void Forget() { this->Volume = nullptr; }
   void ReleaseGraphicsResources(vtkWindow* window);
 
 private:
-  void SetColors(vtkHardwareSelector* selector, const chi_camera& camera,
-    const chi_volume_view& samples, int pass, std::vector<float>& pixels) const;
+  void SetColors(vtkHardwareSelector* selector, const chi_camera& camera, const Ids& ids,
+    std::vector<float>& pixels) const;
   bool DrawQuad(vtkRenderer* renderer, const std::vector<float>& pixels);
 
   vtkOpenGLQuadHelper* Quad = nullptr;

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkChiTransferInput.h"
+#include "vtkChiInputTools.h"
 
 #include "vtkColorTransferFunction.h"
 #include "vtkDataArray.h"
@@ -13,11 +14,6 @@
 
 namespace
 {
-std::uint64_t bits(const void* pointer)
-{
-  return static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(pointer));
-}
-
 // The smallest distance between nodes of the opacity function, of those larger than `least`;
 // infinite where there is none.
 double narrowestGap(vtkVolumeProperty* property, int function, double least)
@@ -44,7 +40,8 @@ double narrowestGap(vtkVolumeProperty* property, int function, double least)
 //------------------------------------------------------------------------------
 // Entries and range of the tables. Outside the nodes the functions are constant, so the tables need
 // to span the nodes only, and of these only the part that the data reach.
-void vtkChiTransferInput::ChooseRange(vtkVolumeProperty* property, vtkDataArray* samples)
+void vtkChiTransferInput::ChooseRange(
+  vtkVolumeProperty* property, vtkDataArray* samples, std::size_t least)
 {
   double nodes[2];
   property->GetScalarOpacity(this->Function)->GetRange(nodes);
@@ -73,7 +70,8 @@ void vtkChiTransferInput::ChooseRange(vtkVolumeProperty* property, vtkDataArray*
   double low = clamped ? std::max(nodes[0], std::min(data[0], nodes[1])) : data[0];
   double high = clamped ? std::min(nodes[1], std::max(data[1], nodes[0])) : data[1];
   const int type = samples->GetDataType();
-  const bool integers = type != VTK_FLOAT && type != VTK_DOUBLE && high - low < 65535.0;
+  const bool integers =
+    type != VTK_FLOAT && type != VTK_DOUBLE && this->Component >= 0 && high - low < 65535.0;
   if (integers)
   {
     low = std::floor(low);
@@ -99,13 +97,14 @@ void vtkChiTransferInput::ChooseRange(vtkVolumeProperty* property, vtkDataArray*
     this->Transfer.count =
       static_cast<std::size_t>(std::min(std::max(entries, 4096.0), 16384.0)) + 1;
   }
+  this->Transfer.count = std::max(this->Transfer.count, least);
   this->Transfer.range[0] = low;
   this->Transfer.range[1] = high;
 }
 
 //------------------------------------------------------------------------------
-bool vtkChiTransferInput::Collect(vtkVolumeProperty* property, int function, vtkDataArray* samples,
-  int component, std::uint64_t version, vtkMTimeType time)
+bool vtkChiTransferInput::Collect(vtkVolumeProperty* property, int function, int unit,
+  vtkDataArray* samples, int component, std::uint64_t version, vtkMTimeType time, std::size_t least)
 {
   this->Limit.clear();
   this->Function = function;
@@ -115,8 +114,7 @@ bool vtkChiTransferInput::Collect(vtkVolumeProperty* property, int function, vtk
   vtkPiecewiseFunction* gray =
     channels == 1 ? property->GetGrayTransferFunction(function) : nullptr;
   vtkColorTransferFunction* color = gray ? nullptr : property->GetRGBTransferFunction(function);
-  // as vtkGPUVolumeRayCastMapper does: of dependent components, that of the last one
-  double unitDistance = property->GetScalarOpacityUnitDistance(component);
+  double unitDistance = property->GetScalarOpacityUnitDistance(unit);
   if (!(unitDistance > 0.0) || !std::isfinite(unitDistance))
   {
     this->Limit = "a scalar opacity unit distance of " + std::to_string(unitDistance) +
@@ -124,20 +122,17 @@ bool vtkChiTransferInput::Collect(vtkVolumeProperty* property, int function, vtk
     unitDistance = 1.0;
   }
 
-  std::uint64_t distanceBits = 0;
-  static_assert(sizeof(distanceBits) == sizeof(unitDistance), "bits of a double");
-  std::copy_n(reinterpret_cast<const char*>(&unitDistance), sizeof(unitDistance),
-    reinterpret_cast<char*>(&distanceBits));
   const void* colorObject = gray ? static_cast<void*>(gray) : static_cast<void*>(color);
-  const std::array<std::uint64_t, 10> key = { bits(opacity), opacity->GetMTime(), bits(colorObject),
-    gray ? gray->GetMTime() : color->GetMTime(), version, distanceBits, time, bits(samples),
-    static_cast<std::uint64_t>(function), static_cast<std::uint64_t>(component) };
+  const std::array<std::uint64_t, 11> key = { vtkChiBits(opacity), opacity->GetMTime(),
+    vtkChiBits(colorObject), gray ? gray->GetMTime() : color->GetMTime(), version,
+    vtkChiBits(unitDistance), time, vtkChiBits(samples), static_cast<std::uint64_t>(function),
+    static_cast<std::uint64_t>(component), least };
   if (key == this->Key && !this->Opacities.empty())
   {
     return false;
   }
 
-  this->ChooseRange(property, samples);
+  this->ChooseRange(property, samples, least);
   const int count = static_cast<int>(this->Transfer.count);
   const double* range = this->Transfer.range;
   std::vector<float> opacities(this->Transfer.count);

@@ -1,10 +1,8 @@
 // SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkChiVolumeInput.h"
-#include "vtkChiMaskInput.h"
+#include "vtkChiInputTools.h"
 #include "vtkChiViews.h"
-
-#include <chiaroscuro/chi_occlusion.h>
 
 #include "vtkAbstractMapper.h"
 #include "vtkAbstractVolumeMapper.h"
@@ -12,16 +10,12 @@
 #include "vtkDataSetAttributes.h"
 #include "vtkFloatArray.h"
 #include "vtkImageData.h"
-#include "vtkMath.h"
 #include "vtkMatrix4x4.h"
 #include "vtkNew.h"
-#include "vtkPlane.h"
-#include "vtkPlaneCollection.h"
 #include "vtkPointData.h"
 #include "vtkRectilinearGrid.h"
 #include "vtkUnsignedCharArray.h"
 #include "vtkVolume.h"
-#include "vtkVolumeMapper.h"
 #include "vtkVolumeProperty.h"
 
 #include <algorithm>
@@ -30,18 +24,6 @@
 
 namespace
 {
-std::uint64_t bits(const void* pointer)
-{
-  return static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(pointer));
-}
-
-std::string describe(vtkDataArray* array)
-{
-  return std::string("array '") + (array->GetName() ? array->GetName() : "(unnamed)") + "' (" +
-    array->GetDataTypeAsString() + ", " + std::to_string(array->GetNumberOfTuples()) + " tuples, " +
-    std::to_string(array->GetNumberOfComponents()) + " components)";
-}
-
 void multiply(const double* a, const double* b, double* product)
 {
   double result[16];
@@ -131,22 +113,22 @@ bool vtkChiVolumeInput::CollectSamples(
     image->GetDimensions(points);
     this->Problem = "an image of " + std::to_string(points[0]) + " x " + std::to_string(points[1]) +
       " x " + std::to_string(points[2]) + " points encloses no volume: nothing to draw of " +
-      describe(scalars);
+      vtkChiDescribe(scalars);
     return false;
   }
   if (static_cast<std::size_t>(scalars->GetNumberOfTuples()) < count)
   {
-    this->Problem = describe(scalars) + " is too short: the image has " + std::to_string(count) +
-      (isCell ? " cells" : " points");
+    this->Problem = vtkChiDescribe(scalars) + " is too short: the image has " +
+      std::to_string(count) + (isCell ? " cells" : " points");
     return false;
   }
   if (scalars->GetNumberOfComponents() < 1)
   {
-    this->Problem = describe(scalars) + " has no components";
+    this->Problem = vtkChiDescribe(scalars) + " has no components";
     return false;
   }
 
-  const std::array<std::uint64_t, 4> key = { bits(scalars), scalars->GetMTime(), time,
+  const std::array<std::uint64_t, 4> key = { vtkChiBits(scalars), scalars->GetMTime(), time,
     static_cast<std::uint64_t>(isCell) };
   if (key != this->SamplesKey || this->Scalars != scalars || !this->Samples)
   {
@@ -168,7 +150,7 @@ bool vtkChiVolumeInput::CollectSamples(
   this->Volume.type = vtkChiType(this->Samples->GetDataType());
   if (this->Volume.type == 0)
   {
-    this->Problem = describe(scalars) + " has a type that cannot be drawn";
+    this->Problem = vtkChiDescribe(scalars) + " has a type that cannot be drawn";
     return false;
   }
   this->Volume.struct_size = sizeof(chi_volume_view);
@@ -217,55 +199,16 @@ bool vtkChiVolumeInput::CollectMatrix(vtkImageData* image, vtkVolume* volume, co
 }
 
 //------------------------------------------------------------------------------
-void vtkChiVolumeInput::AddClip(const double plane[4], const double* toWorld, const double* world)
-{
-  double placed[4];
-  vtkChiMaskInput::PlacePlane(plane, toWorld, world, placed);
-  this->ClipPlanes.insert(this->ClipPlanes.end(), placed, placed + 4);
-}
-
-//------------------------------------------------------------------------------
 bool vtkChiVolumeInput::CollectClips(
   vtkAbstractVolumeMapper* mapper, vtkVolume* volume, const double* world)
 {
-  this->ClipPlanes.clear();
-  vtkPlaneCollection* planes = mapper->GetClippingPlanes();
-  vtkCollectionSimpleIterator cookie;
-  if (planes)
+  const bool good = this->Clips.Collect(mapper, volume, world);
+  this->Problem = this->Clips.GetProblem();
+  if (!this->Clips.GetLimit().empty())
   {
-    planes->InitTraversal(cookie);
-    while (vtkPlane* plane = planes->GetNextPlane(cookie))
-    {
-      const double* normal = plane->GetNormal();
-      const double equation[4] = { normal[0], normal[1], normal[2],
-        -vtkMath::Dot(normal, plane->GetOrigin()) };
-      if (!(vtkMath::Norm(normal) > 0.0) || !std::isfinite(equation[3]))
-      {
-        this->Problem = "a clipping plane has no normal, or is not finite: nothing to draw";
-        return false;
-      }
-      this->AddClip(equation, nullptr, world);
-    }
+    this->Limits.push_back(this->Clips.GetLimit());
   }
-  vtkVolumeMapper* cropped = vtkVolumeMapper::SafeDownCast(mapper);
-  // other regions than the inner box are not convex: vtkChiMaskInput has them
-  if (cropped && cropped->GetCropping() && cropped->GetCroppingRegionFlags() == VTK_CROP_SUBVOLUME)
-  {
-    for (int k = 0; k < 6; ++k)
-    {
-      const double sign = k & 1 ? -1.0 : 1.0;
-      double equation[4] = { 0.0, 0.0, 0.0, -sign * cropped->GetCroppingRegionPlanes()[k] };
-      equation[k / 2] = sign;
-      this->AddClip(equation, volume->GetMatrix()->GetData(), world);
-    }
-  }
-  if (this->ClipPlanes.size() > 4 * CHI_MAX_CLIP_PLANES)
-  {
-    this->Limits.emplace_back("more than " + std::to_string(CHI_MAX_CLIP_PLANES) +
-      " clipping planes, the cropping box's included, are not supported: the others cut nothing");
-    this->ClipPlanes.resize(4 * CHI_MAX_CLIP_PLANES);
-  }
-  return true;
+  return good;
 }
 
 //------------------------------------------------------------------------------
@@ -313,14 +256,14 @@ int vtkChiVolumeInput::CountComponents(vtkVolumeProperty* property)
   {
     this->Limits.push_back("dependent components (vtkVolumeProperty) must be 2 or 4: only the "
                            "first is drawn of " +
-      describe(this->Scalars));
+      vtkChiDescribe(this->Scalars));
     return 1;
   }
   if (there > CHI_MAX_COMPONENTS)
   {
     this->Limits.push_back(
       "more than four components are not supported: the first four are drawn of " +
-      describe(this->Scalars));
+      vtkChiDescribe(this->Scalars));
   }
   if (property->GetShade(0) || vtkChiShadingInput::GetGradientOpacityTime(property) != 0 ||
     vtkChiShadingInput::GetPlaneTime(property) != 0)
@@ -347,11 +290,12 @@ bool vtkChiVolumeInput::CollectTransfer(
   const int count = this->CountComponents(property);
   const bool dependent = count > 1 && !property->GetIndependentComponents();
   const int own = dependent ? count - 1 : 0;
+  // as vtkGPUVolumeRayCastMapper does: of dependent components, the unit of the last one
   const bool changed =
-    this->Functions[0].Collect(property, 0, this->Samples, own, this->Volume.version, time);
+    this->Functions[0].Collect(property, 0, own, this->Samples, own, this->Volume.version, time);
   std::vector<std::string> limits = { this->Functions[0].GetLimit() };
   const std::array<std::uint64_t, 5> key = { vtkChiShadingInput::GetGradientOpacityTime(property),
-    vtkChiShadingInput::GetPlaneTime(property), bits(second), second ? second->GetMTime() : 0,
+    vtkChiShadingInput::GetPlaneTime(property), vtkChiBits(second), second ? second->GetMTime() : 0,
     static_cast<std::uint64_t>(count) };
   if (changed || key != this->ShadingKey)
   {
@@ -383,7 +327,8 @@ bool vtkChiVolumeInput::CollectTransfer(
     }
     vtkChiTransferInput& functions = this->Functions[static_cast<std::size_t>(k)];
     const int component = dependent ? 0 : k;
-    functions.Collect(property, component, this->Samples, component, this->Volume.version, time);
+    functions.Collect(
+      property, component, component, this->Samples, component, this->Volume.version, time);
     this->Components.transfer[k - 1] = functions.GetTransfer();
     limits.push_back(functions.GetLimit());
   }
@@ -409,7 +354,7 @@ vtkImageData* vtkChiVolumeInput::Resample(
         std::string(mapper->GetScalarModeAsString());
     return nullptr;
   }
-  const std::array<std::uint64_t, 2> key = { bits(scalars), grid->GetMTime() };
+  const std::array<std::uint64_t, 2> key = { vtkChiBits(scalars), grid->GetMTime() };
   if (this->Resampled && key == this->ResampledKey)
   {
     return this->Resampled;

@@ -3,6 +3,7 @@
 #ifndef vtkChiVolumeInput_h
 #define vtkChiVolumeInput_h
 
+#include "vtkChiClipInput.h"
 #include "vtkChiShadingInput.h"
 #include "vtkChiTransferInput.h"
 
@@ -47,7 +48,7 @@ public:
   // The array along the y axis of a two-dimensional transfer function; empty for the gradient.
   void SetSecondArray(const char* name) { this->SecondName = name ? name : ""; }
   // What the mapper's clipping planes and cropping box leave: [planes x 4] for the core.
-  const std::vector<double>& GetClipPlanes() const { return this->ClipPlanes; }
+  const std::vector<double>& GetClipPlanes() const { return this->Clips.GetPlanes(); }
   const std::string& GetProblem() const { return this->Problem; }
   const std::vector<std::string>& GetLimits() const { return this->Limits; }
   bool IsEmpty() const { return this->Empty; }
@@ -60,7 +61,6 @@ private:
   vtkDataArray* FindSecond(vtkVolumeProperty* property, vtkImageData* image);
   void AddPlaneLimit();
   bool CollectClips(vtkAbstractVolumeMapper* mapper, vtkVolume* volume, const double* world);
-  void AddClip(const double plane[4], const double* toWorld, const double* world);
   int CountComponents(vtkVolumeProperty* property);
   vtkImageData* Resample(vtkAbstractVolumeMapper* mapper, vtkRectilinearGrid* grid, int scalarMode);
   vtkDataArray* Find(
@@ -68,7 +68,7 @@ private:
 
   chi_volume_view Volume = {};
   chi_transfer_view Transfer = {};
-  std::vector<double> ClipPlanes;
+  vtkChiClipInput Clips;
   std::string Problem;
   std::vector<std::string> Limits;
   bool Empty = false;
