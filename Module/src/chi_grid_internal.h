@@ -106,6 +106,10 @@ int chi_cell_read(const chi_grid* grid, size_t index, chi_grid_cell* cell);
 int chi_cell_locate(chi_grid_cell* cell);
 void chi_cell_find_center(chi_grid_cell* cell);
 
+/* The faces of a polyhedron, by bits, that must go the other way round for all to go as its first
+ * one does. Those beyond 64 are believed. */
+uint64_t chi_cell_flips(const chi_grid_cell* cell);
+
 /* How a cell is split. */
 enum
 {

@@ -93,72 +93,6 @@ static inline void visit_polyhedron(
   }
 }
 
-/* 1: b follows a somewhere in the face, -1: a follows b, 0: neither */
-static int direction_of(const int64_t* face, size_t count, int64_t a, int64_t b)
-{
-  int64_t last = face[count - 1];
-  for (size_t k = 0; k < count; last = face[k++])
-  {
-    if ((last == a && face[k] == b) || (last == b && face[k] == a))
-    {
-      return last == a ? 1 : -1;
-    }
-  }
-  return 0;
-}
-
-/* Whether the first face's way round is the second's: they cross a common edge in opposite
- * directions if so. 1: yes, -1: no, 0: no common edge */
-static int compare_ways(const int64_t* f, size_t f_count, const int64_t* g, size_t g_count)
-{
-  int64_t last = f[f_count - 1];
-  for (size_t k = 0; k < f_count; last = f[k++])
-  {
-    const int direction = direction_of(g, g_count, last, f[k]);
-    if (direction != 0)
-    {
-      return -direction;
-    }
-  }
-  return 0;
-}
-
-/* The faces of a polyhedron, by bits, that must go the other way round for all to go as the first
- * does. VTK asks for outward faces, and readers do not always give them. Those beyond 64 are
- * believed.
- */
-static uint64_t find_flips(const chi_grid_cell* cell)
-{
-  const int64_t* face[64];
-  size_t queue[64], queued = 1;
-  const size_t faces = cell->face_count < 64 ? cell->face_count : 64;
-  const int64_t* at = cell->faces;
-  for (size_t f = 0; f < faces; ++f)
-  {
-    face[f] = at + 1;
-    at += *at + 1;
-  }
-  uint64_t flips = 0, known = 1;
-  queue[0] = 0;
-  for (size_t q = 0; q < queued; ++q)
-  {
-    const size_t f = queue[q];
-    for (size_t g = 1; g < faces; ++g)
-    {
-      const int way = known >> g & 1
-        ? 0
-        : compare_ways(face[f], (size_t)face[f][-1], face[g], (size_t)face[g][-1]);
-      if (way != 0)
-      {
-        flips |= ((flips >> f & 1) ^ (way < 0)) << g;
-        known |= (uint64_t)1 << g;
-        queue[queued++] = g;
-      }
-    }
-  }
-  return flips;
-}
-
 static uint32_t nodes_of(const chi_cell_part* part, size_t f)
 {
   const uint8_t* const face = chi_shapes[part->shape].face[f];
@@ -227,7 +161,8 @@ static inline const double* place(const chi_grid_cell* cell, int64_t corner, dou
   return own;
 }
 
-/* Six times the volume, positive if right-handed: (b - a) x (c - a) . (d - a) */
+/* Six times the volume, positive if right-handed: (b - a) . ((c - a) x (d - a)). Exchanging c and d
+ * changes the sign and nothing else, roundings included. */
 static inline double six_volumes(const chi_grid_cell* cell, const int64_t corner[4])
 {
   double own[4][3];
@@ -238,8 +173,8 @@ static inline double six_volumes(const chi_grid_cell* cell, const int64_t corner
   const double u[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
   const double v[3] = { c[0] - a[0], c[1] - a[1], c[2] - a[2] };
   const double w[3] = { d[0] - a[0], d[1] - a[1], d[2] - a[2] };
-  return (u[1] * v[2] - u[2] * v[1]) * w[0] + (u[2] * v[0] - u[0] * v[2]) * w[1] +
-    (u[0] * v[1] - u[1] * v[0]) * w[2];
+  return u[0] * (v[1] * w[2] - v[2] * w[1]) + u[1] * (v[2] * w[0] - v[0] * w[2]) +
+    u[2] * (v[0] * w[1] - v[1] * w[0]);
 }
 
 typedef struct measure
@@ -293,36 +228,10 @@ static int is_one_sided(const measure* m, double noise)
   return m->least >= -noise || m->most <= noise;
 }
 
-/* Fit for cells whose cone has tetrahedra of both orientations, by more than exact arithmetic's
- * sign. */
-static measure choose_way(chi_grid_cell* cell, const measure* cone, chi_cell_split* split)
-{
-  const double noise = noise_of(cell);
-  uint64_t flips = 0;
-  split->way = CHI_SPLIT_SIGNED;
-  if (is_one_sided(cone, noise))
-  {
-    return *cone;
-  }
-  if (!cell->type)
-  {
-    flips = find_flips(cell);
-    const measure again = measure_split(cell, 0, flips);
-    if (is_one_sided(&again, noise))
-    {
-      return again;
-    }
-  }
-  chi_cell_find_center(cell);
-  const measure star = measure_split(cell, 1, flips);
-  split->way = CHI_SPLIT_CENTER;
-  split->folded = !is_one_sided(&star, noise);
-  return star;
-}
-
 void chi_cell_choose(chi_grid_cell* cell, chi_cell_split* split)
 {
   measure used = { .cell = cell };
+  uint64_t flips = 0;
   *split = (chi_cell_split){ .way = CHI_SPLIT_POSITIVE };
   if (cell->count == 4 && cell->type)
   {
@@ -330,15 +239,24 @@ void chi_cell_choose(chi_grid_cell* cell, chi_cell_split* split)
   }
   else
   {
-    used = measure_split(cell, 0, 0);
+    flips = cell->type ? 0 : chi_cell_flips(cell);
+    used = measure_split(cell, 0, flips);
   }
-  if (used.least < 0)
+  if (flips || (used.least < 0 && used.most > 0))
+  {
+    const double noise = noise_of(cell);
+    split->way = CHI_SPLIT_SIGNED;
+    if (!is_one_sided(&used, noise))
+    {
+      chi_cell_find_center(cell);
+      used = measure_split(cell, 1, flips);
+      split->way = CHI_SPLIT_CENTER;
+      split->folded = !is_one_sided(&used, noise);
+    }
+  }
+  else if (used.least < 0)
   {
     split->way = CHI_SPLIT_NEGATIVE;
-    if (used.most > 0)
-    {
-      used = choose_way(cell, &used, split);
-    }
   }
   split->tetrahedra = used.count;
   split->flat = used.flat;

@@ -119,8 +119,8 @@ CHI_API CHI_NODISCARD chi_status chi_grid_count(
 typedef struct chi_grid_tetrahedra
 {
   size_t struct_size;
-  uint32_t* vertices;    /**< [tetrahedra x 4] point ids; right-handed: (b-a)x(c-a).(d-a) >= 0 as
-                              computed in double */
+  uint32_t* vertices;    /**< [tetrahedra x 4] point ids; right-handed: (b-a).((c-a)x(d-a)) >= 0, as
+                              computed in double without fused operations */
   uint32_t* cells;       /**< [tetrahedra] the cell that each is part of; ascending */
   double* points;        /**< [(points + extra_points) x 3] */
   uint32_t* extra_cells; /**< [extra_points] the cell whose centre (mean of its points) each is */
