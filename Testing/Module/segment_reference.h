@@ -32,23 +32,31 @@ static inline void segment_classify_entries(const void* data, double x, double r
   }
 }
 
+/* Gauss & Legendre on (0, 1): nodes, then weights, of 2, 3 and 5 points. */
+static const double segment_gauss[3][2][5] = { { { 0.21132486540518712, 0.78867513459481288 },
+                                                 { 0.5, 0.5 } },
+  { { 0.11270166537925831, 0.5, 0.88729833462074169 },
+    { 0.27777777777777778, 0.44444444444444444, 0.27777777777777778 } },
+  { { 0.046910077030668004, 0.23076534494715845, 0.5, 0.76923465505284155, 0.953089922969332 },
+    { 0.11846344252809454, 0.23931433524968324, 0.28444444444444444, 0.23931433524968324,
+      0.11846344252809454 } } };
+
 /*
  * Adds, behind what is there, a piece along which colour and extinction are linear: sum[0 ... 2] is
- * premultiplied colour, sum[3] the optical depth so far. Gauss & Legendre of five points, degree 9,
- * on panels of an optical depth of 1/4 at most: below 1e-12.
+ * premultiplied colour, sum[3] the optical depth so far. Five points, degree 9, on panels of an
+ * optical depth of 1/4 at most: below 1e-12. Of what is thinner fewer points do: with 2 of them the
+ * error is that of the fourth derivative, a tau^3 / 700 at most, with 3 less than tau^5 / 1e5.
  */
 static inline void segment_add_linear(
   const double a[4], const double b[4], double length, double sum[4])
 {
-  static const double node[5] = { 0.046910077030668004, 0.23076534494715845, 0.5,
-    0.76923465505284155, 0.953089922969332 };
-  static const double weight[5] = { 0.11846344252809454, 0.23931433524968324, 0.28444444444444444,
-    0.23931433524968324, 0.11846344252809454 };
-  const double before = sum[3];
-  const double steps = ceil(fmin(fmax(4 * fmax(a[3], b[3]) * length, 1), 4000));
+  const double before = sum[3], most = fmax(a[3], b[3]) * length;
+  const int rule = most < 1e-3 ? 0 : most < 0.03 ? 1 : 2, points = rule < 2 ? rule + 2 : 5;
+  const double *const node = segment_gauss[rule][0], *const weight = segment_gauss[rule][1];
+  const double steps = ceil(fmin(fmax(4 * most, 1), 4000));
   for (double p = 0; p < steps && sum[3] < 40; ++p)
   {
-    for (int k = 0; k < 5; ++k)
+    for (int k = 0; k < points; ++k)
     {
       const double u = (p + node[k]) / steps;
       const double sigma = a[3] + u * (b[3] - a[3]);
@@ -84,6 +92,41 @@ static inline void segment_add(
       a[c] = b[c];
     }
   }
+}
+
+/* The same of any function of the scalar, which is linear from s0 to s1: cut in halves until linear
+ * pieces agree with those twice as long to `tolerance`, and to at least 2^-`least` of it, so that
+ * no feature wider than that is missed. */
+static inline void segment_add_function(segment_classify classify, const void* data, double s0,
+  double s1, double length, double tolerance, int least, double sum[4])
+{
+  double a[4], middle[4], b[4], once[4], twice[4];
+  classify(data, s0, a);
+  classify(data, 0.5 * (s0 + s1), middle);
+  classify(data, s1, b);
+  for (int c = 0; c < 4; ++c)
+  {
+    once[c] = twice[c] = sum[c];
+  }
+  segment_add_linear(a, b, length, once);
+  segment_add_linear(a, middle, 0.5 * length, twice);
+  segment_add_linear(middle, b, 0.5 * length, twice);
+  double error = fabs(once[3] - twice[3]) * exp(-sum[3]);
+  for (int c = 0; c < 3; ++c)
+  {
+    error = fmax(error, fabs(once[c] - twice[c]));
+  }
+  if ((least <= 0 && error <= tolerance) || least < -30)
+  {
+    for (int c = 0; c < 4; ++c)
+    {
+      sum[c] = twice[c];
+    }
+    return;
+  }
+  const double s = 0.5 * (s0 + s1);
+  segment_add_function(classify, data, s0, s, 0.5 * length, 0.5 * tolerance, least - 1, sum);
+  segment_add_function(classify, data, s, s1, 0.5 * length, 0.5 * tolerance, least - 1, sum);
 }
 
 /* Premultiplied colour and opacity of one segment. */
