@@ -11,6 +11,7 @@
 enum
 {
   CELLS_A_CHUNK = 4096,
+  CELLS_A_POLL = 256, /* polyhedra take some microseconds each */
   POINTS_A_CHUNK = 16384
 };
 
@@ -105,12 +106,16 @@ static size_t end_of(size_t index, size_t size, size_t count)
 static void count_chunks(void* data, size_t begin, size_t end)
 {
   const grid_job* const job = (const grid_job*)data;
-  for (size_t c = begin; c < end && !chi_is_cancelled(job->exec); ++c)
+  for (size_t c = begin; c < end; ++c)
   {
     const size_t last = end_of(c, CELLS_A_CHUNK, job->grid->cells);
     chi_grid_counts counts = no_counts(job->grid);
     for (size_t i = c * CELLS_A_CHUNK; i < last; ++i)
     {
+      if (i % CELLS_A_POLL == 0 && chi_is_cancelled(job->exec))
+      {
+        return;
+      }
       const int way = count_cell(job->grid, i, &counts);
       if (job->ways)
       {
@@ -215,13 +220,17 @@ static void write_chunks(void* data, size_t begin, size_t end)
   const grid_job* const job = (const grid_job*)data;
   const chi_grid_tetrahedra* const out = job->out;
   uint32_t(*const vertices)[4] = (uint32_t(*)[4])(void*)out->vertices;
-  for (size_t c = begin; c < end && !chi_is_cancelled(job->exec); ++c)
+  for (size_t c = begin; c < end; ++c)
   {
     const size_t last = end_of(c, CELLS_A_CHUNK, job->grid->cells);
     size_t at = job->chunks[c].first_tetrahedron, extra = job->chunks[c].first_extra;
     for (size_t i = c * CELLS_A_CHUNK; i < last; ++i)
     {
       const int way = job->ways[i];
+      if (i % CELLS_A_POLL == 0 && chi_is_cancelled(job->exec))
+      {
+        return;
+      }
       if (way == CHI_SPLIT_NONE)
       {
         continue;

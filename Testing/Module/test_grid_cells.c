@@ -93,6 +93,41 @@ static void quadratic_neighbours_agree(void)
   free(m);
 }
 
+/* Hexahedra that name points twice are the wedges and pyramids that they look like. */
+static void collapsed_hexahedra_conform(void)
+{
+  static const int wedge[8] = { 0, 1, 2, 2, 3, 4, 5, 5 }, pyramid[8] = { 0, 1, 2, 3, 4, 4, 4, 4 };
+  mesh* const m = new_mesh();
+  place_cell(m, 12, 0, 0, 0, 1, 1, 1);
+  place_cell(m, 13, 0, 1, 0, 1, 1, 1);
+  place_cell(m, 14, 0, 0, 1, 1, 1, 1);
+  for (uint32_t seed = 0; seed < 200; ++seed)
+  {
+    shuffle(m, seed);
+    mesh* const h = new_mesh();
+    memcpy(h->x, m->x, m->points * sizeof m->x[0]);
+    h->points = m->points;
+    for (int c = 0; c < 3; ++c)
+    {
+      int64_t ids[8];
+      for (int k = 0; k < 8; ++k)
+      {
+        ids[k] = m->ids[m->offsets[c] + (c == 0 ? k : c == 1 ? wedge[k] : pyramid[k])];
+      }
+      add_cell(h, 12, 8, ids);
+    }
+    split s = split_of(h);
+    check_split(&s);
+    check_conformity(m, &s);
+    CHECK(s.counts.tetrahedra == 6 + 3 + 2 && s.counts.flat_cells == 0);
+    CHECK(s.counts.collapsed_tetrahedra > 0 && s.counts.extra_points == 0);
+    CHECK_NEAR(s.counts.volume, 1 + 0.5 + 1.0 / 3, exact);
+    drop_split(&s);
+    free(h);
+  }
+  free(m);
+}
+
 /* Nodes within a block of cells are moved: a little, and the cells stay as they are cut; much, and
  * some are cut about their centres, parts and all. */
 static void bent_quadratic_cells_fill_their_block(void)
@@ -147,5 +182,6 @@ int main(void)
   every_type_has_its_volume_in_tetrahedra_of_all_its_nodes();
   linear_neighbours_agree();
   quadratic_neighbours_agree();
+  collapsed_hexahedra_conform();
   return chi_test_report();
 }
