@@ -16,20 +16,9 @@
 
 #include <chiaroscuro/chi_occlusion.h>
 
+#include "chi_buffer.h"
 #include "chi_internal.h"
 #include "simd/chi_occlusion_kernels.h"
-
-/* Scratch that grows and is kept: per-frame calls allocate only where a scene outgrows the last. */
-typedef struct chi_buffer
-{
-  void* data; /* at the start of a cache line: a vector of 64 bytes touches one, not two */
-  size_t bytes;
-  void* block; /* as allocated, up to a line more */
-} chi_buffer;
-
-/* 0 when refused; the old contents are lost when it grows. */
-int chi_buffer_reserve(const chi_exec* exec, chi_buffer* buffer, size_t count, size_t size);
-void chi_buffer_free(const chi_exec* exec, chi_buffer* buffer);
 
 /* Stage 1: the samples as the kernels fetch them, and their ranges in bricks of 8^3 cells. */
 typedef struct chi_bricks

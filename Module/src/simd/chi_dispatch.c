@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "chi_occlusion_kernels.h"
 #include "chi_segment_kernels.h"
+#include "chi_tet_kernels.h"
 #include "chi_tube_kernels.h"
 
 #include <stdlib.h>
@@ -69,5 +70,17 @@ const chi_segment_kernels* chi_segment_get_kernels(void)
                        : &chi_segment_kernels_generic;
 #else
   return &chi_segment_kernels_generic;
+#endif
+}
+
+const chi_tet_kernels* chi_tet_get_kernels(void)
+{
+#if defined(__x86_64__) && defined(__GNUC__)
+  const int set = instruction_set();
+  return set == AVX512 ? &chi_tet_kernels_avx512
+    : set == AVX2      ? &chi_tet_kernels_avx2
+                       : &chi_tet_kernels_generic;
+#else
+  return &chi_tet_kernels_generic;
 #endif
 }

@@ -1,0 +1,228 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#ifndef CHI_TET_H
+#define CHI_TET_H
+
+/*
+ * Volume rendering of unstructured meshes by projected tetrahedra, in exact visibility order, with
+ * pre-integrated segments. Sources: Shirley & Tuchman, "A Polygonal Approximation to Direct Scalar
+ * Volume Rendering", 1990 (whose cases and linear thickness are replaced by the planes of each
+ * tetrahedron, evaluated at every pixel); Williams 1992, Silva, Mitchell & Williams 1998 (orders);
+ * Kraus, Qiao & Ebert, "Projecting Tetrahedra without Rendering Artifacts", 2004 (perspective);
+ * Moreland & Angel, "A Fast High Accuracy Volume Renderer for Unstructured Data", 2004
+ * (pre-integration). Documentation/theory/tet.md says where and why we deviate.
+ */
+
+#include "chi_camera.h"
+#include "chi_grid.h"
+#include "chi_preintegration.h"
+#include "chi_surface.h"
+#include "chi_tet_order.h"
+#include "chi_transfer.h"
+
+#ifdef __cplusplus
+extern "C"
+{
+#endif
+
+/** A renderer: what it derived from the last frames is kept, and made anew only where its source
+ * changed. One handle serves one thread of calls at a time. */
+typedef struct chi_tet chi_tet;
+
+enum
+{
+  CHI_TET_MAX_CLIP_PLANES = 32
+};
+
+/** What is drawn of the grid, borrowed. */
+typedef struct chi_tet_field
+{
+  size_t struct_size;
+  const chi_array_view* scalars; /**< a tuple a point of the grid, or a cell */
+  int32_t is_cell_data;          /**< non-zero: constant in each cell */
+  int32_t component;             /**< of scalars; -1: the magnitude of all of them */
+  const chi_array_view* opacity; /**< what the opacity function is read at, likewise of points or
+                                      of cells; NULL: the scalars */
+  int32_t opacity_component;     /**< of opacity; -1: magnitude */
+  int32_t reserved;
+  uint64_t version; /**< differs whenever anything here does */
+} chi_tet_field;
+
+/** How fragments become a pixel. */
+enum
+{
+  CHI_TET_BLEND_COMPOSITE = 0,
+  CHI_TET_BLEND_MAXIMUM = 1 /**< colour and opacity of the largest scalar along the ray, exactly:
+                                 scalars are linear, so it lies at an end of a segment */
+};
+
+/** Work that is left out because it changes no picture by more than 1/255; bits of
+ * chi_tet_params.skip. Bit 0 stands for every kind, those of later versions included. */
+enum
+{
+  CHI_TET_SKIP_NOTHING = 0,
+  CHI_TET_SKIP_ALL = 1,
+  CHI_TET_SKIP_TRANSPARENT = 2, /**< tetrahedra whose opacity is 0 over their range of scalars */
+  CHI_TET_SKIP_CLIPPED = 8,     /**< tetrahedra beyond one of the clip planes */
+  CHI_TET_SKIP_HIDDEN = 16,     /**< tetrahedra behind the surface of all pixels of their tiles */
+  CHI_TET_SKIP_SATURATED = 32,  /**< tetrahedra behind a tile that lets no light through any more */
+  CHI_TET_SKIP_UNCHANGED = 128, /**< stages whose sources have not changed */
+  CHI_TET_SKIP_EVERY_KIND = 254, /**< all of this version, to take single ones away from */
+  CHI_TET_SKIP_KINDS = 16        /**< length of chi_tet_stats.skipped */
+};
+
+typedef struct chi_tet_params
+{
+  size_t struct_size;
+  int32_t order;                   /**< CHI_TET_ORDER_...; default AUTO */
+  int32_t pre_integration;         /**< CHI_PREINTEGRATION_...; default AUTO */
+  int32_t opacity_convention;      /**< CHI_OPACITY_...; default LINEAR */
+  int32_t blend;                   /**< CHI_TET_BLEND_...; default composite */
+  int32_t skip;                    /**< CHI_TET_SKIP_...; default all */
+  int32_t automatic_unit_distance; /**< non-zero: in place of the transfer function's unit distance
+                                        the cube root of the mesh's volume a cell; default 0 */
+} chi_tet_params;
+
+/** One frame: all borrowed, none modified. */
+typedef struct chi_tet_frame
+{
+  size_t struct_size;
+  const chi_camera* camera; /**< at most 16384 pixels a side */
+  const chi_grid_view* grid;
+  const double* grid_to_world; /**< row-major 4 x 4, affine, any scale or mirror; NULL: identity.
+                                    Lengths that opacity is taken over are those of the world */
+  const chi_tet_field* field;
+  const chi_transfer_view* transfer; /**< one table over the scalar */
+  const chi_surface_view* surface;   /**< depth alone is read; NULL: no geometry */
+  const chi_tet_params* params;
+  /** The mesh is cut: what is left is where a x + b y + c z + d >= 0 of every plane, world
+   * coordinates. */
+  const double* clip_planes; /**< [clip_plane_count x 4], not all of a, b, c zero */
+  size_t clip_plane_count;   /**< 0 ... CHI_TET_MAX_CLIP_PLANES */
+} chi_tet_frame;
+
+/** The last picture, owned by the handle, valid until its next call. Row 0 is the lowest. */
+typedef struct chi_tet_image
+{
+  int32_t width, height;
+  const float* rgba; /**< [height x width x 4] premultiplied colour, alpha; in front of the surface
+                          where there is one */
+} chi_tet_image;
+
+/** What the last frame cost. Times are seconds of wall clock. */
+typedef struct chi_tet_stats
+{
+  size_t struct_size;
+  chi_grid_counts grid;
+  chi_tet_order_info order;
+  int64_t tetrahedra;       /**< of the mesh */
+  int64_t drawn;            /**< pairs of a tetrahedron and a tile of 64 x 64 pixels drawn */
+  int64_t fragments;        /**< pairs of a tetrahedron and a pixel */
+  int64_t delicate;         /**< of drawn: evaluated in double (theory/tet.md) */
+  int64_t non_finite_cells; /**< tetrahedra left out because a scalar is NaN or infinite */
+  int64_t outside;          /**< tetrahedra left out because they lie outside of the window */
+  int64_t uncovered;        /**< tetrahedra left out because they cover no pixel's centre */
+  int64_t skipped[CHI_TET_SKIP_KINDS]; /**< [k] belongs to the flag 1 << k: tetrahedra; of saturated
+                                            ones pairs as of drawn; of unchanged stages, 0 ... 5 */
+  int32_t reused;                      /**< 1: nothing changed, the last picture stands */
+  int32_t pre_integration;             /**< CHI_PREINTEGRATION_... used */
+  double unit_distance;                /**< used, world units */
+  double seconds_split, seconds_values, seconds_order, seconds_bins, seconds_draw, seconds_total;
+  size_t bytes_mesh;  /**< of the mesh and its order, kept from frame to frame */
+  size_t bytes_frame; /**< of the frame: points in the eye's space, tiles and their lists */
+  size_t bytes_image; /**< of the picture */
+} chi_tet_stats;
+
+/** The defaults named above. Infallible. */
+CHI_API void chi_tet_default_params(chi_tet_params* params);
+
+CHI_API CHI_NODISCARD chi_status chi_tet_create(const chi_exec* exec, chi_tet** tet);
+CHI_API void chi_tet_destroy(const chi_exec* exec, chi_tet* tet);
+
+/**
+ * Render one frame.
+ *
+ * @param[in]     exec   host services, or NULL; alloc and release must be those of create
+ * @param[in,out] tet    renderer
+ * @param[in]     frame  scene, camera, parameters; borrowed for the call. Arrays of the grid that
+ *                       have not changed since the last frame, by its version and their addresses,
+ *                       are taken to hold the same
+ *
+ * @retval CHI_OK                      picture and statistics are those of this frame
+ * @retval CHI_ERROR_INVALID_ARGUMENT  null pointer, unknown type or kind, matrix that is singular
+ * or not finite, array of the wrong length, broken grid (stats.grid.first_bad_cell); the last
+ * picture stands
+ * @retval CHI_ERROR_OUT_OF_MEMORY     the last picture is lost, the handle stays usable
+ * @retval CHI_ERROR_TOO_LARGE         more points or tetrahedra than 32 bits count; likewise
+ * @retval CHI_ERROR_CANCELLED         the last picture is lost, the handle stays usable
+ *
+ * Precision    planes in double, pixels in float relative to each tetrahedron, or in double where
+ *              float would be off by 1e-5 of its longest edge; see theory/tet.md.
+ * Determinism  same bits for any number of threads and any parallel_for on one instruction set.
+ * Non-finite   cells with a coordinate, tetrahedra with a scalar that is not finite are left out
+ * and counted. Cost         n log n in tetrahedra at worst, linear in fragments.
+ */
+CHI_API CHI_NODISCARD chi_status chi_tet_render(
+  const chi_exec* exec, chi_tet* tet, const chi_tet_frame* frame);
+
+/** The last picture; all zero and NULL before the first, or where the last frame lost it. */
+CHI_API void chi_tet_get_image(const chi_tet* tet, chi_tet_image* image);
+CHI_API void chi_tet_get_stats(const chi_tet* tet, chi_tet_stats* stats);
+
+/**
+ * What one points at: the cell in which the accumulated opacity of a pixel passes `opacity`, or,
+ * where it never does, the one that adds most to the pixel, if that is more than 1/255.
+ *
+ * @param[in]     exec     as of chi_tet_render
+ * @param[in,out] tet      renderer; its last picture is lost
+ * @param[in]     frame    scene; blended by compositing whatever its parameters say
+ * @param[in]     opacity  between 0 and 1, both excluded
+ * @param[out]    cells    [height x width] cells of the grid; -1: none
+ * @param[out]    depths   [height x width] along the view axis, world units, where the ray enters
+ *                         that cell's tetrahedron; INFINITY where there is none
+ *
+ * @retval as of chi_tet_render; in all cases but CHI_OK cells and depths are undefined
+ */
+CHI_API CHI_NODISCARD chi_status chi_tet_find_cells(const chi_exec* exec, chi_tet* tet,
+  const chi_tet_frame* frame, double opacity, int64_t* cells, float* depths);
+
+/** What another engine needs to draw the same frame; owned by the handle, valid until its next
+ * call.
+ */
+typedef struct chi_tet_plan
+{
+  size_t struct_size;
+  const double* points;   /**< [point_count x 4] in the eye's space, world units: x to the right, y
+                               up, depth along the view axis; two floats: the scalar, the opacity's */
+  const float* scalars;   /**< [point_count], or of cells [value_count] */
+  const float* opacities; /**< likewise; NULL: the scalars */
+  size_t point_count, value_count;
+  const uint32_t* vertices; /**< [count x 4] */
+  const uint32_t* cells;    /**< [count] index into the values of cells; NULL: the identity */
+  size_t count;
+  const uint32_t* sequence; /**< [sequence_count] tetrahedra to draw, farthest first */
+  size_t sequence_count;
+  int32_t is_cell_data, blend;
+  const double* planes; /**< [plane_count x 4] clip planes in the space of the points */
+  size_t plane_count;
+  double maximum_path; /**< maximum intensity: opacity is that of a path so long */
+  int32_t opacity_convention;
+  int32_t reserved;
+  chi_segment_tables tables;
+  uint64_t points_version, scalars_version, vertices_version, sequence_version;
+} chi_tet_plan;
+
+/**
+ * Everything of a frame but its pixels.
+ *
+ * @param[out] plan  borrowed from the handle
+ *
+ * @retval as of chi_tet_render
+ */
+CHI_API CHI_NODISCARD chi_status chi_tet_describe(
+  const chi_exec* exec, chi_tet* tet, const chi_tet_frame* frame, chi_tet_plan* plan);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

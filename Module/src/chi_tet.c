@@ -1,0 +1,678 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "chi_tet_internal.h"
+
+#include <math.h>
+#include <time.h>
+
+/* What a stage was made from; it runs again only where this differs. Filled from zeros, so that
+ * padding compares equal. */
+typedef struct grid_key
+{
+  int64_t kind;
+  const void* arrays[11];
+  uint64_t version;
+  size_t counts[10];
+  double index_to_world[16];
+} grid_key;
+
+typedef struct field_key
+{
+  const void* arrays[2];
+  uint64_t version;
+  int64_t integers[3];
+  size_t shapes[2][4];
+} field_key;
+
+typedef struct choice_key
+{
+  uint64_t tables;
+  int64_t skip;
+} choice_key;
+
+typedef struct view_key
+{
+  double world_to_eye[16], window[4], near_depth, grid_to_world[16];
+  int64_t size[2], parallel, order;
+  double clip_planes[4 * CHI_TET_CUTS];
+  size_t clip_plane_count;
+} view_key;
+
+typedef struct bin_key
+{
+  uint64_t visible;
+  const void* depth;
+  uint64_t surface;
+  int64_t skip;
+} bin_key;
+
+typedef struct draw_key
+{
+  uint64_t tables;
+  int64_t blend, skip, has_surface;
+} draw_key;
+
+struct chi_tet
+{
+  chi_tet_mesh mesh;
+  chi_tet_values values;
+  chi_tet_eye eye;
+  chi_tet_bins bins;
+  chi_tet_order* order;
+  chi_preintegration* preintegration;
+  chi_segment_tables tables;
+  chi_buffer image;
+  int32_t width, height;
+  int32_t bits; /* of the keys */
+  int has_mesh, has_values, has_choice, has_view, has_bins, has_image;
+  grid_key grid;
+  field_key field;
+  choice_key choice;
+  view_key view;
+  bin_key bin;
+  draw_key drawn;
+  /* of chi_tet_describe */
+  uint64_t versions[4]; /* of the points, the sequence, the vertices, the values */
+  uint64_t sequenced;   /* version of the sequence that is made; 0: none */
+  chi_buffer sequence;  /* uint32 */
+  size_t sequence_count;
+  chi_tet_stats stats;
+};
+
+/* A frame in structs of our own, whichever version its caller was compiled for. */
+typedef struct own_frame
+{
+  chi_tet_frame frame;
+  chi_camera camera;
+  chi_grid_view grid;
+  chi_tet_field field;
+  chi_transfer_view transfer;
+  chi_surface_view surface;
+  chi_tet_params params;
+} own_frame;
+
+static double now(void)
+{
+  struct timespec t;
+  timespec_get(&t, TIME_UTC);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+void chi_tet_default_params(chi_tet_params* params)
+{
+  if (params)
+  {
+    *params = (chi_tet_params){ .struct_size = sizeof *params, .skip = CHI_TET_SKIP_ALL };
+  }
+}
+
+chi_status chi_tet_create(const chi_exec* exec, chi_tet** tet)
+{
+  if (!tet)
+  {
+    return CHI_ERROR_INVALID_ARGUMENT;
+  }
+  *tet = (chi_tet*)chi_alloc(exec, 1, sizeof **tet);
+  if (!*tet)
+  {
+    return CHI_ERROR_OUT_OF_MEMORY;
+  }
+  memset(*tet, 0, sizeof **tet);
+  const chi_status status = chi_preintegration_create(exec, &(*tet)->preintegration);
+  if (status != CHI_OK)
+  {
+    chi_free(exec, *tet, 1, sizeof **tet);
+    *tet = NULL;
+  }
+  return status;
+}
+
+void chi_tet_destroy(const chi_exec* exec, chi_tet* tet)
+{
+  if (!tet)
+  {
+    return;
+  }
+  chi_tet_mesh_free(exec, &tet->mesh);
+  chi_tet_values_free(exec, &tet->values);
+  chi_tet_eye_free(exec, &tet->eye);
+  chi_tet_bins_free(exec, &tet->bins);
+  chi_tet_order_destroy(exec, tet->order);
+  chi_preintegration_destroy(exec, tet->preintegration);
+  chi_buffer_free(exec, &tet->image);
+  chi_buffer_free(exec, &tet->sequence);
+  chi_free(exec, tet, 1, sizeof *tet);
+}
+
+/*------------------------------------------------------------------------------------------------*/
+static int all_finite(const double* x, size_t count)
+{
+  for (size_t i = 0; i < count; ++i)
+  {
+    if (!isfinite(x[i]))
+    {
+      return 0;
+    }
+  }
+  return 1;
+}
+
+static int camera_is_valid(const chi_camera* c)
+{
+  return c->width >= 1 && c->height >= 1 && c->width <= CHI_TET_MAX_SIZE &&
+    c->height <= CHI_TET_MAX_SIZE && all_finite(c->world_to_eye, 16) && all_finite(c->window, 4) &&
+    c->window[0] != c->window[1] && c->window[2] != c->window[3] && !isnan(c->near_depth) &&
+    (c->parallel || (c->near_depth > 0 && isfinite(c->near_depth)));
+}
+
+static int field_is_valid(const chi_tet_field* f)
+{
+  const int one = chi_array_is_valid(f->scalars) && f->component >= -1 &&
+    f->component < (int64_t)f->scalars->components;
+  return one &&
+    (!f->opacity ||
+      (chi_array_is_valid(f->opacity) && f->opacity_component >= -1 &&
+        f->opacity_component < (int64_t)f->opacity->components));
+}
+
+static int params_are_valid(const chi_tet_params* p)
+{
+  return p->order >= CHI_TET_ORDER_AUTO && p->order <= CHI_TET_ORDER_XMPVO &&
+    p->pre_integration >= CHI_PREINTEGRATION_AUTO &&
+    p->pre_integration <= CHI_PREINTEGRATION_FULL &&
+    (p->opacity_convention == CHI_OPACITY_LINEAR || p->opacity_convention == CHI_OPACITY_IMAGE) &&
+    (p->blend == CHI_TET_BLEND_COMPOSITE || p->blend == CHI_TET_BLEND_MAXIMUM) && p->skip >= 0;
+}
+
+/* The frame as one of ours, checked. The grid, the arrays and the transfer function are checked in
+ * full by the stages that read them. */
+static chi_status adopt(own_frame* own, const chi_tet_frame* given)
+{
+  memset(own, 0, sizeof *own);
+  chi_tet_default_params(&own->params);
+  chi_tet_frame* const f = &own->frame;
+  if (!given || !CHI_ADOPT(chi_tet_frame, clip_plane_count, f, given) || !f->camera || !f->grid ||
+    !f->field || !f->transfer || !CHI_ADOPT(chi_camera, near_depth, &own->camera, f->camera) ||
+    !CHI_ADOPT(chi_grid_view, version, &own->grid, f->grid) ||
+    !CHI_ADOPT(chi_tet_field, version, &own->field, f->field) ||
+    !CHI_ADOPT(chi_transfer_view, version, &own->transfer, f->transfer) ||
+    (f->surface && !CHI_ADOPT(chi_surface_view, version, &own->surface, f->surface)) ||
+    (f->params && !CHI_ADOPT(chi_tet_params, automatic_unit_distance, &own->params, f->params)))
+  {
+    return CHI_ERROR_INVALID_ARGUMENT;
+  }
+  f->camera = &own->camera;
+  f->grid = &own->grid;
+  f->field = &own->field;
+  f->transfer = &own->transfer;
+  f->surface = f->surface ? &own->surface : NULL;
+  f->params = &own->params;
+  if (own->params.skip & CHI_TET_SKIP_ALL)
+  {
+    own->params.skip |= CHI_TET_SKIP_EVERY_KIND;
+  }
+  return camera_is_valid(f->camera) && field_is_valid(f->field) && params_are_valid(f->params) &&
+      (!f->surface || f->surface->depth) &&
+      (!f->grid_to_world || all_finite(f->grid_to_world, 16)) &&
+      f->clip_plane_count <= CHI_TET_MAX_CLIP_PLANES &&
+      (!f->clip_plane_count ||
+        (f->clip_planes && all_finite(f->clip_planes, 4 * f->clip_plane_count)))
+    ? CHI_OK
+    : CHI_ERROR_INVALID_ARGUMENT;
+}
+
+/*------------------------------------------------------------------------------------------------*/
+static grid_key key_of_grid(const chi_grid_view* g)
+{
+  grid_key k;
+  memset(&k, 0, sizeof k);
+  k.kind = g->kind;
+  const void* const arrays[11] = { g->points.data, g->axes[0].data, g->axes[1].data,
+    g->axes[2].data, g->cell_types, g->offsets, g->connectivity, g->faces, g->face_offsets,
+    g->cell_ghosts, g->point_ghosts };
+  memcpy(k.arrays, arrays, sizeof arrays);
+  k.version = g->version;
+  const size_t counts[10] = { g->points.count, g->points.stride, (size_t)g->points.type,
+    g->dimensions[0], g->dimensions[1], g->dimensions[2], g->cell_count, g->connectivity_count,
+    g->faces_count, g->axes[0].count };
+  memcpy(k.counts, counts, sizeof counts);
+  memcpy(k.index_to_world, g->index_to_world, sizeof k.index_to_world);
+  return k;
+}
+
+static field_key key_of_field(const chi_tet_field* f)
+{
+  field_key k;
+  memset(&k, 0, sizeof k);
+  k.version = f->version;
+  k.integers[0] = f->is_cell_data != 0;
+  k.integers[1] = f->component;
+  k.integers[2] = f->opacity_component;
+  const chi_array_view* const arrays[2] = { f->scalars, f->opacity };
+  for (int i = 0; i < 2 && arrays[i]; ++i)
+  {
+    k.arrays[i] = arrays[i]->data;
+    const size_t shape[4] = { arrays[i]->count, arrays[i]->components, arrays[i]->stride,
+      (size_t)arrays[i]->type };
+    memcpy(k.shapes[i], shape, sizeof shape);
+  }
+  return k;
+}
+
+static view_key key_of_view(const chi_tet_frame* f)
+{
+  view_key k;
+  memset(&k, 0, sizeof k);
+  memcpy(k.world_to_eye, f->camera->world_to_eye, sizeof k.world_to_eye);
+  memcpy(k.window, f->camera->window, sizeof k.window);
+  k.near_depth = f->camera->near_depth;
+  for (int i = 0; i < 16; ++i)
+  {
+    k.grid_to_world[i] = f->grid_to_world ? f->grid_to_world[i] : i % 5 == 0;
+  }
+  k.size[0] = f->camera->width;
+  k.size[1] = f->camera->height;
+  k.parallel = f->camera->parallel != 0;
+  k.order = f->params->order;
+  k.clip_plane_count = f->clip_plane_count;
+  if (k.clip_plane_count)
+  {
+    memcpy(k.clip_planes, f->clip_planes, 4 * k.clip_plane_count * sizeof(double));
+  }
+  return k;
+}
+
+/* Whether a stage has to run: always, where nothing may be kept. */
+static int differs(const chi_tet* tet, const chi_tet_frame* f, int has, const void* old,
+  const void* key, size_t size)
+{
+  (void)tet;
+  return !has || !(f->params->skip & CHI_TET_SKIP_UNCHANGED) || memcmp(old, key, size) != 0;
+}
+
+static chi_status split(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* f)
+{
+  const grid_key key = key_of_grid(f->grid);
+  if (!differs(tet, f, tet->has_mesh, &tet->grid, &key, sizeof key))
+  {
+    ++tet->stats.skipped[7];
+    return CHI_OK;
+  }
+  tet->has_mesh = tet->has_values = tet->has_choice = tet->has_view = tet->has_bins = 0;
+  chi_tet_order_destroy(exec, tet->order);
+  tet->order = NULL;
+  const double start = now();
+  const chi_status status = chi_tet_mesh_build(exec, &tet->mesh, f->grid);
+  tet->stats.grid = tet->mesh.counts;
+  tet->stats.seconds_split = now() - start;
+  tet->grid = key;
+  tet->has_mesh = status == CHI_OK;
+  ++tet->versions[2];
+  return status;
+}
+
+static chi_status read_values(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* f)
+{
+  const field_key key = key_of_field(f->field);
+  if (!differs(tet, f, tet->has_values, &tet->field, &key, sizeof key))
+  {
+    ++tet->stats.skipped[7];
+    return CHI_OK;
+  }
+  tet->has_values = tet->has_choice = tet->has_view = 0; /* points of the eye carry the scalars */
+  const double start = now();
+  const chi_status status = chi_tet_values_build(exec, &tet->values, &tet->mesh, f->grid, f->field);
+  tet->stats.seconds_values = now() - start;
+  tet->field = key;
+  ++tet->versions[3];
+  tet->has_values = status == CHI_OK;
+  return status;
+}
+
+/* The tables, over world lengths; and which tetrahedra they leave to be drawn. */
+static chi_status classify(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* f)
+{
+  chi_transfer_view transfer = *f->transfer;
+  if (f->params->automatic_unit_distance && tet->mesh.counts.volume > 0)
+  {
+    double volume = tet->mesh.counts.volume;
+    if (f->grid_to_world)
+    {
+      const double* const m = f->grid_to_world;
+      volume *= fabs(m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
+        m[2] * (m[4] * m[9] - m[5] * m[8]));
+    }
+    const chi_grid_counts* const n = &tet->mesh.counts;
+    const size_t cells = n->cells - n->ghost_cells - n->blanked_cells - n->lower_dimensional_cells -
+      n->unsupported_cells - n->non_finite_cells;
+    transfer.unit_distance = cbrt(volume / (double)(cells ? cells : 1));
+  }
+  tet->stats.unit_distance = transfer.unit_distance;
+  chi_preintegration_params params;
+  chi_preintegration_default_params(&params);
+  params.method = f->params->pre_integration;
+  params.opacity_convention = f->params->opacity_convention;
+  chi_status status = chi_preintegration_update(exec, tet->preintegration, &transfer, &params);
+  chi_preintegration_get_tables(tet->preintegration, &tet->tables);
+  if (status != CHI_OK)
+  {
+    return status;
+  }
+  tet->stats.pre_integration = tet->tables.method;
+  /* of maximum intensity the first fragment decides nothing: opacities of 0 hide others */
+  const int skip =
+    f->params->skip & CHI_TET_SKIP_TRANSPARENT && f->params->blend == CHI_TET_BLEND_COMPOSITE;
+  const choice_key key = { tet->tables.version, skip };
+  if (differs(tet, f, tet->has_choice, &tet->choice, &key, sizeof key))
+  {
+    const double start = now();
+    tet->has_choice = 0;
+    status = chi_tet_values_choose(exec, &tet->values, &tet->mesh, &tet->tables, skip);
+    tet->stats.seconds_values += now() - start;
+    tet->choice = key;
+    tet->has_choice = status == CHI_OK;
+  }
+  tet->stats.non_finite_cells = tet->values.non_finite;
+  tet->stats.skipped[1] = tet->values.transparent;
+  return status;
+}
+
+static chi_status look(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* f)
+{
+  const view_key key = key_of_view(f);
+  if (!differs(tet, f, tet->has_view, &tet->view, &key, sizeof key))
+  {
+    ++tet->stats.skipped[7];
+    return CHI_OK;
+  }
+  if (tet->order && tet->view.order != key.order)
+  {
+    chi_tet_order_destroy(exec, tet->order);
+    tet->order = NULL;
+  }
+  tet->has_view = tet->has_bins = 0;
+  const double start = now();
+  chi_status status = chi_tet_eye_build(exec, &tet->eye, &tet->mesh, &tet->values, f);
+  tet->stats.seconds_bins += now() - start;
+  const double begin = now();
+  if (status == CHI_OK && !tet->order)
+  {
+    const chi_tet_mesh_view mesh = { sizeof mesh, tet->mesh.all_points,
+      (const uint32_t*)tet->mesh.vertices.data, tet->mesh.counts.tetrahedra };
+    status = chi_tet_order_create(exec, &mesh, CHI_TET_ORDER_CENTROID, &tet->order);
+  }
+  if (status == CHI_OK &&
+    !chi_buffer_reserve(exec, &tet->bins.keys, tet->mesh.counts.tetrahedra, sizeof(uint32_t)))
+  {
+    status = CHI_ERROR_OUT_OF_MEMORY;
+  }
+  if (status == CHI_OK)
+  {
+    const chi_tet_order_view view = { sizeof view, f->camera, f->grid_to_world };
+    status =
+      chi_tet_order_keys(exec, tet->order, &view, (uint32_t*)tet->bins.keys.data, &tet->bits);
+    tet->stats.order.struct_size = sizeof tet->stats.order;
+    chi_tet_order_get_info(tet->order, &tet->stats.order);
+  }
+  tet->stats.seconds_order = now() - begin;
+  tet->view = key;
+  tet->has_view = status == CHI_OK;
+  ++tet->versions[0];
+  return status;
+}
+
+static chi_status bin(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* f)
+{
+  bin_key key;
+  memset(&key, 0, sizeof key);
+  key.visible = tet->values.version;
+  key.skip = f->params->skip & (CHI_TET_SKIP_CLIPPED | CHI_TET_SKIP_HIDDEN);
+  if (f->surface && key.skip & CHI_TET_SKIP_HIDDEN)
+  {
+    key.depth = f->surface->depth;
+    key.surface = f->surface->version;
+  }
+  if (differs(tet, f, tet->has_bins, &tet->bin, &key, sizeof key))
+  {
+    tet->has_bins = 0;
+    const double start = now();
+    const chi_status status =
+      chi_tet_bins_build(exec, &tet->bins, &tet->mesh, &tet->values, &tet->eye, f, tet->bits);
+    tet->stats.seconds_bins += now() - start;
+    tet->bin = key;
+    tet->has_bins = status == CHI_OK;
+    ++tet->versions[1];
+    if (status != CHI_OK)
+    {
+      return status;
+    }
+  }
+  else
+  {
+    ++tet->stats.skipped[7];
+  }
+  tet->stats.outside = tet->bins.outside;
+  tet->stats.uncovered = tet->bins.uncovered;
+  tet->stats.skipped[3] = tet->bins.clipped;
+  tet->stats.skipped[4] = tet->bins.hidden;
+  return CHI_OK;
+}
+
+/* All stages before pixels. */
+static chi_status prepare(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* f)
+{
+  chi_tet_stats* const s = &tet->stats;
+  memset(s->skipped, 0, sizeof s->skipped);
+  s->reused = 0;
+  s->seconds_split = s->seconds_values = s->seconds_order = s->seconds_bins = 0;
+  chi_status status = split(exec, tet, f);
+  status = status == CHI_OK ? read_values(exec, tet, f) : status;
+  status = status == CHI_OK ? classify(exec, tet, f) : status;
+  status = status == CHI_OK ? look(exec, tet, f) : status;
+  status = status == CHI_OK ? bin(exec, tet, f) : status;
+  s->tetrahedra = (int64_t)tet->mesh.counts.tetrahedra;
+  s->bytes_mesh = tet->mesh.vertices.bytes + tet->mesh.cells.bytes + tet->mesh.points.bytes +
+    tet->mesh.extra_cells.bytes + tet->values.scalars.bytes + tet->values.opacities.bytes +
+    tet->values.visible.bytes + s->order.bytes;
+  s->bytes_frame = tet->eye.points.bytes + tet->eye.screen.bytes + tet->eye.codes.bytes +
+    tet->bins.keys.bytes + tet->bins.ranges.bytes + tet->bins.counts.bytes +
+    tet->bins.starts.bytes + tet->bins.list.bytes + tet->bins.scratch.bytes;
+  return status;
+}
+
+chi_status chi_tet_describe(
+  const chi_exec* exec, chi_tet* tet, const chi_tet_frame* frame, chi_tet_plan* plan)
+{
+  own_frame own;
+  if (!tet || !plan)
+  {
+    return CHI_ERROR_INVALID_ARGUMENT;
+  }
+  chi_status status = adopt(&own, frame);
+  if (status != CHI_OK)
+  {
+    return status;
+  }
+  const chi_tet_frame* const f = &own.frame;
+  const double start = now();
+  status = prepare(exec, tet, f);
+  if (status == CHI_OK && (tet->sequenced != tet->versions[1] || !tet->sequenced))
+  {
+    status = chi_tet_sequence(
+      exec, &tet->bins, &tet->mesh, tet->bits, &tet->sequence, &tet->sequence_count);
+    tet->sequenced = status == CHI_OK ? tet->versions[1] : 0;
+  }
+  if (status != CHI_OK)
+  {
+    return status;
+  }
+  const chi_tet_values* const v = &tet->values;
+  const chi_tet_mesh* const m = &tet->mesh;
+  *plan = (chi_tet_plan){ .struct_size = sizeof *plan,
+    .points = (const double*)tet->eye.points.data,
+    .scalars = (const float*)v->scalars.data,
+    .opacities = v->separate ? (const float*)v->opacities.data : NULL,
+    .point_count = m->point_count,
+    .value_count = v->is_cell_data ? m->counts.cells : m->point_count,
+    .vertices = (const uint32_t*)m->vertices.data,
+    .cells = m->cell_of,
+    .count = m->counts.tetrahedra,
+    .sequence = (const uint32_t*)tet->sequence.data,
+    .sequence_count = tet->sequence_count,
+    .is_cell_data = v->is_cell_data,
+    .blend = f->params->blend,
+    .planes = tet->eye.planes,
+    .plane_count = f->clip_plane_count,
+    .maximum_path = tet->stats.unit_distance,
+    .opacity_convention = f->params->opacity_convention,
+    .tables = tet->tables,
+    .points_version = tet->versions[0],
+    .scalars_version = tet->versions[3],
+    .vertices_version = tet->versions[2],
+    .sequence_version = tet->versions[1] };
+  tet->stats.drawn = (int64_t)tet->sequence_count;
+  tet->stats.seconds_draw = 0;
+  tet->stats.seconds_total = now() - start;
+  return CHI_OK;
+}
+
+static chi_tet_scene make_scene(const chi_tet* tet, const chi_tet_frame* f)
+{
+  const chi_tet_values* const v = &tet->values;
+  chi_tet_scene s = { .points = (const chi_tet_point*)tet->eye.points.data,
+    .vertices = (const uint32_t*)tet->mesh.vertices.data,
+    .cells = tet->mesh.cell_of,
+    .cell_scalars = v->is_cell_data ? (const float*)v->scalars.data : NULL,
+    .cell_opacities = v->is_cell_data && v->separate ? (const float*)v->opacities.data : NULL,
+    .near_depth = f->camera->near_depth,
+    .width = f->camera->width,
+    .height = f->camera->height,
+    .parallel = f->camera->parallel != 0,
+    .separate = v->separate,
+    .planes = tet->eye.planes,
+    .plane_count = f->clip_plane_count,
+    .depth = f->surface ? f->surface->depth : NULL,
+    .base = (float)tet->tables.range[0],
+    .scale =
+      (float)((double)(tet->tables.count - 1) / (tet->tables.range[1] - tet->tables.range[0])),
+    .end = (float)(tet->tables.count - 1),
+    .tables = &tet->tables,
+    .maximum = f->params->blend == CHI_TET_BLEND_MAXIMUM,
+    .maximum_of_unit = (float)tet->stats.unit_distance,
+    .image_opacity = f->params->opacity_convention == CHI_OPACITY_IMAGE };
+  memcpy(s.first, tet->eye.first, sizeof s.first);
+  memcpy(s.step, tet->eye.step, sizeof s.step);
+  return s;
+}
+
+chi_status chi_tet_render(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* frame)
+{
+  own_frame own;
+  const chi_status valid = tet ? adopt(&own, frame) : CHI_ERROR_INVALID_ARGUMENT;
+  if (valid != CHI_OK)
+  {
+    return valid;
+  }
+  const chi_tet_frame* const f = &own.frame;
+  const double start = now();
+  chi_tet_stats* const s = &tet->stats;
+  chi_status status = prepare(exec, tet, f);
+  draw_key key;
+  memset(&key, 0, sizeof key);
+  key.tables = tet->tables.version;
+  key.blend = f->params->blend;
+  key.skip = f->params->skip & CHI_TET_SKIP_SATURATED;
+  key.has_surface = f->surface != NULL;
+  const int64_t stages = 5; /* split, values, view, bins; and the surface's part in the picture */
+  const int same_surface =
+    !f->surface || (tet->bin.depth == f->surface->depth && tet->bin.surface == f->surface->version);
+  if (status == CHI_OK && tet->has_image && s->skipped[7] == stages - 1 && same_surface &&
+    !differs(tet, f, 1, &tet->drawn, &key, sizeof key))
+  {
+    ++s->skipped[7];
+    s->reused = 1;
+    s->seconds_draw = 0;
+    s->seconds_total = now() - start;
+    return CHI_OK;
+  }
+  tet->has_image = 0;
+  if (status == CHI_OK &&
+    !chi_buffer_reserve(
+      exec, &tet->image, (size_t)f->camera->width * (size_t)f->camera->height, 4 * sizeof(float)))
+  {
+    status = CHI_ERROR_OUT_OF_MEMORY;
+  }
+  if (status == CHI_OK)
+  {
+    const double begin = now();
+    const chi_tet_scene scene = make_scene(tet, f);
+    chi_tet_tally tally;
+    status = chi_tet_draw(exec, &tet->bins, &scene, f->params->skip & CHI_TET_SKIP_SATURATED,
+      (float*)tet->image.data, NULL, &tally);
+    s->drawn = tally.tetrahedra;
+    s->fragments = tally.fragments;
+    s->delicate = tally.delicate;
+    s->skipped[5] = tally.saturated;
+    s->seconds_draw = now() - begin;
+  }
+  tet->drawn = key;
+  tet->has_image = status == CHI_OK;
+  tet->width = f->camera->width;
+  tet->height = f->camera->height;
+  s->bytes_image = tet->image.bytes;
+  s->seconds_total = now() - start;
+  return status;
+}
+
+void chi_tet_get_image(const chi_tet* tet, chi_tet_image* image)
+{
+  if (image)
+  {
+    *image = (chi_tet_image){ 0 };
+    if (tet && tet->has_image)
+    {
+      *image = (chi_tet_image){ tet->width, tet->height, (const float*)tet->image.data };
+    }
+  }
+}
+
+void chi_tet_get_stats(const chi_tet* tet, chi_tet_stats* stats)
+{
+  if (stats)
+  {
+    memset(stats, 0, sizeof *stats);
+    if (tet)
+    {
+      *stats = tet->stats;
+    }
+    stats->struct_size = sizeof *stats;
+  }
+}
+
+chi_status chi_tet_find_cells(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* frame,
+  double opacity, int64_t* cells, float* depths)
+{
+  own_frame own;
+  if (!tet || !cells || !depths || !(opacity > 0 && opacity < 1))
+  {
+    return CHI_ERROR_INVALID_ARGUMENT;
+  }
+  chi_status status = adopt(&own, frame);
+  if (status != CHI_OK)
+  {
+    return status;
+  }
+  own.params.blend = CHI_TET_BLEND_COMPOSITE;
+  const chi_tet_stats stats = tet->stats;
+  status = prepare(exec, tet, &own.frame);
+  tet->has_image = 0;
+  if (status == CHI_OK)
+  {
+    const chi_tet_scene scene = make_scene(tet, &own.frame);
+    const chi_tet_picks picks = { opacity, cells, depths };
+    chi_tet_tally tally;
+    status = chi_tet_draw(exec, &tet->bins, &scene, 0, NULL, &picks, &tally);
+  }
+  tet->stats = stats;
+  return status;
+}

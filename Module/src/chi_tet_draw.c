@@ -1,0 +1,197 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "chi_tet_internal.h"
+
+#include <math.h>
+#include <stdatomic.h>
+
+/* A tile ends where all its pixels let less light through than this: half of 1/255 of 8 bits. */
+#define STOP 2e-3f
+
+typedef struct draw_job
+{
+  const chi_exec* exec;
+  const chi_tet_bins* bins;
+  const chi_tet_scene* scene;
+  const chi_tet_kernels* kernels;
+  const chi_tet_picks* picks;
+  const uint32_t* order; /* of the tiles: those with most to draw first */
+  float stop;
+  float* rgba;
+  chi_tet_tally* tally; /* [tiles] */
+  atomic_size_t next;
+} draw_job;
+
+/* Colours of the largest values, and what is one minus transmittance elsewhere. */
+static void finish_pixel(const chi_tet_scene* s, const float in[4], float out[4])
+{
+  if (!s->maximum)
+  {
+    out[0] = in[0];
+    out[1] = in[1];
+    out[2] = in[2];
+    out[3] = 1 - in[3];
+    return;
+  }
+  out[0] = out[1] = out[2] = out[3] = 0;
+  if (in[0] >= 0)
+  {
+    float at[2][4];
+    for (int q = 0; q < 2; ++q)
+    {
+      const int last = s->tables->count - 2;
+      const int i = (int)in[q] < last ? (int)in[q] : last;
+      const float f = in[q] - (float)i;
+      for (int k = 0; k < 4; ++k)
+      {
+        at[q][k] =
+          s->tables->color[i][k] + f * (s->tables->color[i + 1][k] - s->tables->color[i][k]);
+      }
+    }
+    out[3] = s->maximum_of_unit * at[1][3];
+    out[3] = s->image_opacity ? -expm1f(-out[3]) : out[3] < 1 ? out[3] : 1;
+    for (int k = 0; k < 3; ++k)
+    {
+      out[k] = at[0][k] * out[3];
+    }
+  }
+}
+
+static void store_tile(const draw_job* job, const float* tile, int32_t x0, int32_t y0)
+{
+  const chi_tet_scene* const s = job->scene;
+  for (int32_t y = 0; y < CHI_TET_TILE && y0 + y < s->height; ++y)
+  {
+    for (int32_t x = 0; x < CHI_TET_TILE && x0 + x < s->width; ++x)
+    {
+      finish_pixel(s, tile + 4 * (y * CHI_TET_TILE + x),
+        job->rgba + 4 * ((size_t)(y0 + y) * (size_t)s->width + (size_t)(x0 + x)));
+    }
+  }
+}
+
+static void store_picks(const draw_job* job, const chi_tet_target* target, int32_t x0, int32_t y0)
+{
+  const chi_tet_scene* const s = job->scene;
+  for (int32_t y = 0; y < CHI_TET_TILE && y0 + y < s->height; ++y)
+  {
+    for (int32_t x = 0; x < CHI_TET_TILE && x0 + x < s->width; ++x)
+    {
+      const int i = y * CHI_TET_TILE + x;
+      const size_t to = (size_t)(y0 + y) * (size_t)s->width + (size_t)(x0 + x);
+      const int any = target->pick_alpha[i] > 1.0f / 255;
+      const uint32_t t = target->pick[i];
+      job->picks->cells[to] = any ? (int64_t)(s->cells ? s->cells[t] : t) : -1;
+      job->picks->depths[to] = any ? target->pick_depth[i] : INFINITY;
+    }
+  }
+}
+
+static void draw_tile(draw_job* job, size_t tile)
+{
+  _Alignas(64) float rgba[4 * CHI_TET_TILE_PIXELS];
+  const chi_tet_scene* const s = job->scene;
+  const size_t* const starts = (const size_t*)job->bins->starts.data;
+  const int32_t x0 = (int32_t)(tile % (size_t)job->bins->tiles[0]) * CHI_TET_TILE;
+  const int32_t y0 = (int32_t)(tile / (size_t)job->bins->tiles[0]) * CHI_TET_TILE;
+  for (int i = 0; i < CHI_TET_TILE_PIXELS; ++i)
+  {
+    rgba[4 * i] = rgba[4 * i + 1] = rgba[4 * i + 2] = s->maximum ? -1.0f : 0.0f;
+    const int inside = x0 + i % CHI_TET_TILE < s->width && y0 + i / CHI_TET_TILE < s->height;
+    rgba[4 * i + 3] = inside ? 1.0f : 0.0f; /* pixels outside of the picture are not waited for */
+  }
+  const uint64_t* const list = (const uint64_t*)job->bins->list.data + starts[tile];
+  const size_t count = starts[tile + 1] - starts[tile];
+  chi_tet_target target = { .rgba = rgba, .stop = s->maximum ? 0 : job->stop };
+  if (!job->picks)
+  {
+    job->kernels->draw(s, list, count, x0, y0, &target, job->tally + tile);
+    store_tile(job, rgba, x0, y0);
+    return;
+  }
+  float alpha[CHI_TET_TILE_PIXELS] = { 0 }, depth[CHI_TET_TILE_PIXELS];
+  uint32_t id[CHI_TET_TILE_PIXELS];
+  target.pick_alpha = alpha;
+  target.pick = id;
+  target.pick_depth = depth;
+  target.pick_opacity = (float)job->picks->opacity;
+  target.stop = 0;
+  job->kernels->draw(s, list, count, x0, y0, &target, job->tally + tile);
+  store_picks(job, &target, x0, y0);
+}
+
+/* Each call takes as many tiles as it was given, whichever are next: the largest come first, so
+ * that no thread is left with one at the end. Tiles do not depend on each other. */
+static void draw_tiles(void* data, size_t begin, size_t end)
+{
+  draw_job* const job = (draw_job*)data;
+  for (size_t i = begin; i < end && !chi_is_cancelled(job->exec); ++i)
+  {
+    draw_tile(job, job->order[atomic_fetch_add(&job->next, 1)]);
+  }
+}
+
+/* Tiles by the length of their lists, longest first. */
+static void order_tiles(const size_t* starts, size_t tiles, uint32_t* order)
+{
+  size_t longest = 0;
+  for (size_t i = 0; i < tiles; ++i)
+  {
+    longest = starts[i + 1] - starts[i] > longest ? starts[i + 1] - starts[i] : longest;
+  }
+  enum
+  {
+    CLASSES = 256
+  };
+  uint32_t place[CLASSES + 1] = { 0 };
+  const double scale = longest ? (double)(CLASSES - 1) / (double)longest : 0;
+  for (size_t i = 0; i < tiles; ++i)
+  {
+    ++place[CLASSES - (size_t)((double)(starts[i + 1] - starts[i]) * scale)];
+  }
+  for (int i = 0; i < CLASSES; ++i)
+  {
+    place[i + 1] += place[i];
+  }
+  for (size_t i = 0; i < tiles; ++i)
+  {
+    order[place[CLASSES - 1 - (size_t)((double)(starts[i + 1] - starts[i]) * scale)]++] =
+      (uint32_t)i;
+  }
+}
+
+chi_status chi_tet_draw(const chi_exec* exec, chi_tet_bins* bins, const chi_tet_scene* scene,
+  int skip_saturated, float* rgba, const chi_tet_picks* picks, chi_tet_tally* tally)
+{
+  const size_t tiles = (size_t)bins->tiles[0] * (size_t)bins->tiles[1];
+  if (!chi_buffer_reserve(exec, &bins->order, tiles, sizeof(uint32_t)) ||
+    !chi_buffer_reserve(exec, &bins->tallies, tiles, sizeof(chi_tet_tally)))
+  {
+    return CHI_ERROR_OUT_OF_MEMORY;
+  }
+  chi_tet_tally* const each = (chi_tet_tally*)bins->tallies.data;
+  memset(each, 0, tiles * sizeof *each);
+  order_tiles((const size_t*)bins->starts.data, tiles, (uint32_t*)bins->order.data);
+  draw_job job = { .exec = exec,
+    .bins = bins,
+    .scene = scene,
+    .kernels = chi_tet_get_kernels(),
+    .picks = picks,
+    .order = (const uint32_t*)bins->order.data,
+    .stop = skip_saturated ? STOP : 0,
+    .rgba = rgba,
+    .tally = each };
+  atomic_init(&job.next, 0);
+  const chi_status status = chi_for(exec, tiles, draw_tiles, &job);
+  *tally = (chi_tet_tally){ 0 };
+  for (size_t i = 0; i < tiles; ++i)
+  {
+    tally->tetrahedra += each[i].tetrahedra;
+    tally->flat += each[i].flat;
+    tally->delicate += each[i].delicate;
+    tally->candidates += each[i].candidates;
+    tally->fragments += each[i].fragments;
+    tally->saturated += each[i].saturated;
+  }
+  return status;
+}

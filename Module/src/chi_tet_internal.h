@@ -1,0 +1,109 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#ifndef CHI_TET_INTERNAL_H
+#define CHI_TET_INTERNAL_H
+
+/* The stages of the renderer of tetrahedra, in the order in which they run. Each is given what it
+ * reads and keeps what it makes; chi_tet.c decides which of them have to run. */
+
+#include "chi_buffer.h"
+#include "chi_internal.h"
+#include "simd/chi_tet_kernels.h"
+
+#include <chiaroscuro/chi_tet.h>
+
+enum
+{
+  CHI_TET_MAX_SIZE = 16384, /* pixels a side: tiles are numbered by bytes */
+  CHI_TET_CHUNKS = 64       /* of the list of tetrahedra, whatever the number of threads */
+};
+
+/* Stage 1: the grid as tetrahedra. */
+typedef struct chi_tet_mesh
+{
+  chi_grid_counts counts;
+  chi_buffer vertices;    /* uint32 [tetrahedra x 4] */
+  chi_buffer cells;       /* uint32 [tetrahedra]; unused where every cell is a tetrahedron */
+  chi_buffer extra_cells; /* uint32 [extra points] */
+  chi_buffer points;      /* double [all points x 3]; unused where the grid's own can be read */
+  chi_vec3_view all_points;
+  const uint32_t* cell_of; /* cells, or NULL: the identity */
+  size_t point_count;      /* extra points included */
+} chi_tet_mesh;
+
+chi_status chi_tet_mesh_build(const chi_exec* exec, chi_tet_mesh* mesh, const chi_grid_view* grid);
+void chi_tet_mesh_free(const chi_exec* exec, chi_tet_mesh* mesh);
+
+/* Stage 2: its scalars, and which tetrahedra are to be drawn at all. */
+typedef struct chi_tet_values
+{
+  chi_buffer scalars, opacities; /* float: of points, or of the grid's cells */
+  int is_cell_data, separate;
+  chi_buffer visible; /* uint32, one bit a tetrahedron */
+  chi_buffer opaque;  /* uint32: entries of the table, before each, that are not transparent */
+  int64_t non_finite, transparent;
+  int all_opaque;   /* `visible` holds all that is finite */
+  uint64_t version; /* of `visible`: grows where it changes */
+} chi_tet_values;
+
+chi_status chi_tet_values_build(const chi_exec* exec, chi_tet_values* values,
+  const chi_tet_mesh* mesh, const chi_grid_view* grid, const chi_tet_field* field);
+/* By the tables of the transfer function; `skip_transparent` 0: all whose scalars are finite. */
+chi_status chi_tet_values_choose(const chi_exec* exec, chi_tet_values* values,
+  const chi_tet_mesh* mesh, const chi_segment_tables* tables, int skip_transparent);
+void chi_tet_values_free(const chi_exec* exec, chi_tet_values* values);
+
+/* Stage 3: points as the eye sees them. */
+typedef struct chi_tet_eye
+{
+  chi_buffer points; /* chi_tet_point */
+  chi_buffer screen; /* float [x 2] pixels; NaN in front of the near plane */
+  chi_buffer codes;  /* uint32: bit k: outside clip plane k; unused without planes */
+  double planes[4 * CHI_TET_CUTS];
+  double first[2], step[2];
+  int any_near; /* a point lies in front of the near plane */
+} chi_tet_eye;
+
+chi_status chi_tet_eye_build(const chi_exec* exec, chi_tet_eye* eye, const chi_tet_mesh* mesh,
+  const chi_tet_values* values, const chi_tet_frame* frame);
+void chi_tet_eye_free(const chi_exec* exec, chi_tet_eye* eye);
+
+/* Stage 4: the tetrahedra of every tile, in order. */
+typedef struct chi_tet_bins
+{
+  chi_buffer keys;    /* uint32 [tetrahedra] */
+  chi_buffer ranges;  /* uint32 [tetrahedra] first and last tile, x and y, a byte each */
+  chi_buffer counts;  /* uint32 [chunks][tiles] */
+  chi_buffer starts;  /* size_t [tiles + 1] */
+  chi_buffer list;    /* uint64: key, tetrahedron */
+  chi_buffer scratch; /* as much again */
+  chi_buffer depths;  /* float [tiles] farthest surface */
+  chi_buffer order;   /* uint32 [tiles] those with most to draw first */
+  chi_buffer tallies; /* chi_tet_tally [tiles] */
+  chi_buffer whole;   /* uint64: what chi_tet_sequence sorts, twice */
+  int32_t tiles[2];
+  size_t entries;
+  int64_t outside, uncovered, clipped, hidden;
+} chi_tet_bins;
+
+chi_status chi_tet_bins_build(const chi_exec* exec, chi_tet_bins* bins, const chi_tet_mesh* mesh,
+  const chi_tet_values* values, const chi_tet_eye* eye, const chi_tet_frame* frame, int32_t bits);
+void chi_tet_bins_free(const chi_exec* exec, chi_tet_bins* bins);
+
+/* Stage 5: the picture. */
+typedef struct chi_tet_picks
+{
+  double opacity;
+  int64_t* cells;
+  float* depths;
+} chi_tet_picks;
+
+/* `rgba` [height x width x 4], or NULL with `picks`. */
+chi_status chi_tet_draw(const chi_exec* exec, chi_tet_bins* bins, const chi_tet_scene* scene,
+  int skip_saturated, float* rgba, const chi_tet_picks* picks, chi_tet_tally* tally);
+
+/* All tetrahedra that are in a tile, farthest first. */
+chi_status chi_tet_sequence(const chi_exec* exec, chi_tet_bins* bins, const chi_tet_mesh* mesh,
+  int32_t bits, chi_buffer* sequence, size_t* count);
+
+#endif

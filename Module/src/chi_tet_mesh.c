@@ -1,0 +1,202 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "chi_tet_internal.h"
+
+#include <math.h>
+
+chi_status chi_tet_mesh_build(const chi_exec* exec, chi_tet_mesh* mesh, const chi_grid_view* grid)
+{
+  mesh->counts = (chi_grid_counts){ .struct_size = sizeof mesh->counts };
+  chi_status status = chi_grid_count(exec, grid, &mesh->counts);
+  if (status != CHI_OK)
+  {
+    return status;
+  }
+  const chi_grid_counts* const n = &mesh->counts;
+  const int has_points = grid->kind == CHI_GRID_UNSTRUCTURED || grid->kind == CHI_GRID_CURVILINEAR;
+  const int borrow = has_points && n->extra_points == 0;
+  const int identity = grid->kind == CHI_GRID_UNSTRUCTURED && n->tetrahedra == n->cells;
+  mesh->point_count = n->points + n->extra_points;
+  if (n->tetrahedra > UINT32_MAX - 1 ||
+    !chi_buffer_reserve(exec, &mesh->vertices, n->tetrahedra, 4 * sizeof(uint32_t)) ||
+    (!identity && !chi_buffer_reserve(exec, &mesh->cells, n->tetrahedra, sizeof(uint32_t))) ||
+    !chi_buffer_reserve(exec, &mesh->extra_cells, n->extra_points, sizeof(uint32_t)) ||
+    (!borrow && !chi_buffer_reserve(exec, &mesh->points, mesh->point_count, 3 * sizeof(double))))
+  {
+    return n->tetrahedra > UINT32_MAX - 1 ? CHI_ERROR_TOO_LARGE : CHI_ERROR_OUT_OF_MEMORY;
+  }
+  chi_grid_tetrahedra out = { .struct_size = sizeof out,
+    .vertices = (uint32_t*)mesh->vertices.data,
+    .cells = identity ? NULL : (uint32_t*)mesh->cells.data,
+    .points = borrow ? NULL : (double*)mesh->points.data,
+    .extra_cells = (uint32_t*)mesh->extra_cells.data };
+  status = chi_grid_split(exec, grid, n, &out);
+  mesh->cell_of = out.cells;
+  mesh->all_points = borrow
+    ? grid->points
+    : (chi_vec3_view){ mesh->points.data, mesh->point_count, 3 * sizeof(double), CHI_F64 };
+  return status;
+}
+
+void chi_tet_mesh_free(const chi_exec* exec, chi_tet_mesh* mesh)
+{
+  chi_buffer_free(exec, &mesh->vertices);
+  chi_buffer_free(exec, &mesh->cells);
+  chi_buffer_free(exec, &mesh->extra_cells);
+  chi_buffer_free(exec, &mesh->points);
+}
+
+/*------------------------------------------------------------------------------------------------*/
+chi_status chi_tet_values_build(const chi_exec* exec, chi_tet_values* values,
+  const chi_tet_mesh* mesh, const chi_grid_view* grid, const chi_tet_field* field)
+{
+  values->is_cell_data = field->is_cell_data != 0;
+  values->separate = field->opacity != NULL;
+  values->all_opaque = 0;
+  const size_t count = values->is_cell_data ? mesh->counts.cells : mesh->point_count;
+  const size_t extra = values->is_cell_data ? 0 : mesh->counts.extra_points;
+  for (int q = 0; q <= values->separate; ++q)
+  {
+    chi_buffer* const buffer = q ? &values->opacities : &values->scalars;
+    const chi_array_view* const array = q ? field->opacity : field->scalars;
+    if (array->count != count - extra)
+    {
+      return CHI_ERROR_INVALID_ARGUMENT;
+    }
+    if (!chi_buffer_reserve(exec, buffer, count, sizeof(float)))
+    {
+      return CHI_ERROR_OUT_OF_MEMORY;
+    }
+    const chi_status status =
+      chi_grid_scalars(exec, grid, array, q ? field->opacity_component : field->component,
+        (const uint32_t*)mesh->extra_cells.data, extra, (float*)buffer->data);
+    if (status != CHI_OK)
+    {
+      return status;
+    }
+  }
+  return CHI_OK;
+}
+
+typedef struct choice
+{
+  const chi_tet_mesh* mesh;
+  const chi_tet_values* values;
+  const uint32_t* opaque; /* [entries + 1] entries before that are not transparent; NULL */
+  float base, scale, end;
+  uint32_t* visible;
+  uint32_t* before; /* [chunks x 3] non-finite, transparent, changed words */
+  size_t words, words_a_chunk;
+} choice;
+
+/* The finite range of a tetrahedron's values; 0 where one is not finite. */
+static int find_range(const choice* c, const float* of, size_t t, float range[2])
+{
+  if (c->values->is_cell_data)
+  {
+    range[0] = range[1] = of[c->mesh->cell_of ? c->mesh->cell_of[t] : t];
+    return isfinite(range[0]);
+  }
+  const uint32_t* const v = (const uint32_t*)c->mesh->vertices.data + 4 * t;
+  range[0] = range[1] = of[v[0]];
+  int finite = isfinite(range[0]);
+  for (int i = 1; i < 4; ++i)
+  {
+    const float s = of[v[i]];
+    finite &= isfinite(s);
+    range[0] = s < range[0] ? s : range[0];
+    range[1] = s > range[1] ? s : range[1];
+  }
+  return finite;
+}
+
+static int is_transparent(const choice* c, const float range[2])
+{
+  float x[2];
+  for (int i = 0; i < 2; ++i)
+  {
+    x[i] = (range[i] - c->base) * c->scale;
+    x[i] = x[i] > 0 ? x[i] < c->end ? x[i] : c->end : 0;
+  }
+  return c->opaque[(size_t)floorf(x[0])] == c->opaque[(size_t)ceilf(x[1]) + 1];
+}
+
+static void choose(void* data, size_t begin, size_t end)
+{
+  const choice* const c = (const choice*)data;
+  const size_t count = c->mesh->counts.tetrahedra;
+  for (size_t chunk = begin; chunk < end; ++chunk)
+  {
+    uint32_t non_finite = 0, transparent = 0, changed = 0;
+    const size_t last = (chunk + 1) * c->words_a_chunk;
+    for (size_t w = chunk * c->words_a_chunk; w < c->words && w < last; ++w)
+    {
+      uint32_t word = 0;
+      for (size_t t = 32 * w; t < 32 * w + 32 && t < count; ++t)
+      {
+        float range[2], other[2] = { 0, 0 };
+        const int finite = find_range(c, (const float*)c->values->scalars.data, t, range) &
+          (!c->values->separate ||
+            find_range(c, (const float*)c->values->opacities.data, t, other));
+        const int clear =
+          finite && c->opaque && is_transparent(c, c->values->separate ? other : range);
+        non_finite += !finite;
+        transparent += (uint32_t)clear;
+        word |= (uint32_t)(finite && !clear) << (t % 32);
+      }
+      changed += c->visible[w] != word;
+      c->visible[w] = word;
+    }
+    c->before[3 * chunk] = non_finite;
+    c->before[3 * chunk + 1] = transparent;
+    c->before[3 * chunk + 2] = changed;
+  }
+}
+
+chi_status chi_tet_values_choose(const chi_exec* exec, chi_tet_values* values,
+  const chi_tet_mesh* mesh, const chi_segment_tables* tables, int skip_transparent)
+{
+  const size_t entries = (size_t)tables->count, words = (mesh->counts.tetrahedra + 31) / 32;
+  const size_t had = values->visible.bytes;
+  if (!chi_buffer_reserve(exec, &values->opaque, entries + 1, sizeof(uint32_t)) ||
+    !chi_buffer_reserve(exec, &values->visible, words + 1, sizeof(uint32_t)))
+  {
+    return CHI_ERROR_OUT_OF_MEMORY;
+  }
+  uint32_t* const opaque = (uint32_t*)values->opaque.data;
+  opaque[0] = 0;
+  for (size_t i = 0; i < entries; ++i)
+  {
+    opaque[i + 1] = opaque[i] + (tables->color[i][3] > 0);
+  }
+  /* a table without transparent entries leaves all that is finite, as the last one may have done */
+  const int any = skip_transparent && opaque[entries] < entries;
+  if (!any && values->all_opaque)
+  {
+    return CHI_OK;
+  }
+  uint32_t tally[3 * CHI_TET_CHUNKS] = { 0 };
+  choice c = { mesh, values, any ? opaque : NULL, (float)tables->range[0],
+    (float)((double)(entries - 1) / (tables->range[1] - tables->range[0])), (float)(entries - 1),
+    (uint32_t*)values->visible.data, tally, words, (words + CHI_TET_CHUNKS - 1) / CHI_TET_CHUNKS };
+  const chi_status status = chi_for(exec, CHI_TET_CHUNKS, choose, &c);
+  values->non_finite = values->transparent = 0;
+  uint64_t changed = values->visible.bytes != had;
+  for (size_t i = 0; i < CHI_TET_CHUNKS; ++i)
+  {
+    values->non_finite += tally[3 * i];
+    values->transparent += tally[3 * i + 1];
+    changed |= tally[3 * i + 2];
+  }
+  values->version += changed != 0;
+  values->all_opaque = !any && status == CHI_OK;
+  return status;
+}
+
+void chi_tet_values_free(const chi_exec* exec, chi_tet_values* values)
+{
+  chi_buffer_free(exec, &values->scalars);
+  chi_buffer_free(exec, &values->opacities);
+  chi_buffer_free(exec, &values->visible);
+  chi_buffer_free(exec, &values->opaque);
+}

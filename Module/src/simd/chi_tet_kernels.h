@@ -1,0 +1,104 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#ifndef CHI_TET_KERNELS_H
+#define CHI_TET_KERNELS_H
+
+/* The inner loops that draw tetrahedra, once per instruction set; chosen at load. */
+
+#include <chiaroscuro/chi_preintegration.h>
+
+#include <stddef.h>
+#include <stdint.h>
+
+enum
+{
+  CHI_TET_TILE = 64, /* pixels a side: 64 KB of floats, half of a second cache's share */
+  CHI_TET_TILE_SHIFT = 6,
+  CHI_TET_TILE_PIXELS = CHI_TET_TILE * CHI_TET_TILE,
+  CHI_TET_CUTS = 32 /* clip planes */
+};
+
+/* A point in the eye's space: x to the right, y up, z the depth along the view axis. */
+typedef struct chi_tet_point
+{
+  double x, y, z;
+  float scalar, opacity; /* what colour and opacity are looked up at */
+} chi_tet_point;
+
+/* What all tiles of a frame share. */
+typedef struct chi_tet_scene
+{
+  const chi_tet_point* points;
+  const uint32_t* vertices;    /* [tetrahedra x 4] */
+  const uint32_t* cells;       /* [tetrahedra] index into values of cells; NULL: the identity */
+  const float* cell_scalars;   /* values of cells in place of those of points; NULL */
+  const float* cell_opacities; /* likewise */
+  double first[2], step[2];    /* of pixel centres: at depth 1 in perspective, else world units */
+  double near_depth;
+  int32_t width, height;
+  int32_t parallel;
+  int32_t separate;     /* opacity is looked up at `opacity` */
+  const double* planes; /* [plane_count x 4] in the eye's space: a x + b y + c z + d >= 0 stays */
+  size_t plane_count;
+  const float* depth; /* [height x width] of the surface; NULL: none */
+
+  float base, scale, end; /* table position = (scalar - base) * scale, 0 ... end */
+  const chi_segment_tables* tables;
+  int32_t maximum;       /* 1: maximum intensity: opacity is that of a path of */
+  float maximum_of_unit; /* so much length, by the convention: */
+  int32_t image_opacity; /* 1: 1 - exp(-extinction x length), 0: extinction x length */
+} chi_tet_scene;
+
+typedef struct chi_tet_tally
+{
+  int64_t tetrahedra, flat, delicate, candidates, fragments, saturated;
+} chi_tet_tally;
+
+/* Where the fragments of a tile go. */
+typedef struct chi_tet_target
+{
+  float*
+    rgba;     /* [CHI_TET_TILE_PIXELS x 4] premultiplied colour and transmittance; of maximum
+                 intensity x is the table position of the largest scalar, -1: none, y the opacity's */
+  float stop; /* drawing ends where no transmittance is larger; 0: never */
+  /* picking: */
+  float* pick_alpha; /* or NULL */
+  uint32_t* pick;
+  float* pick_depth;
+  float pick_opacity;
+} chi_tet_target;
+
+/* Where a window's pixels, and tetrahedra on them, are. */
+typedef struct chi_tet_window
+{
+  const float (*screen)[2]; /* points, pixels; NaN in front of the near plane */
+  const uint32_t* vertices;
+  int32_t width, height;
+  int32_t any_near; /* a point is NaN */
+} chi_tet_window;
+
+enum
+{
+  CHI_TET_OUTSIDE = 0x000000ff,  /* ranges of tetrahedra that lie outside of the window, */
+  CHI_TET_UNCOVERED = 0x000001ff /* or cover no pixel's centre: first tile 255, last tile 0 */
+};
+
+typedef struct chi_tet_kernels
+{
+  /* Tiles of tetrahedra begin ... end - 1: first and last one, x and y, a byte each. */
+  void (*ranges)(const chi_tet_window* window, size_t begin, size_t end, uint32_t* ranges);
+  /* Front to back: `list` lists the tile's tetrahedra (low halves) from the last to the first. */
+  void (*draw)(const chi_tet_scene* scene, const uint64_t* list, size_t count, int32_t tile_x,
+    int32_t tile_y, chi_tet_target* target, chi_tet_tally* tally);
+} chi_tet_kernels;
+
+extern const chi_tet_kernels chi_tet_kernels_generic;
+#if defined(__x86_64__)
+extern const chi_tet_kernels chi_tet_kernels_avx2;
+extern const chi_tet_kernels chi_tet_kernels_avx512;
+#endif
+
+/* Those of this machine. */
+const chi_tet_kernels* chi_tet_get_kernels(void);
+
+#endif

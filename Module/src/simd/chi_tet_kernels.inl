@@ -1,0 +1,488 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+
+#include "chi_tet_kernels.h"
+
+#include <math.h>
+
+#include "chi_tet_setup.inl"
+
+#include "chi_tet_fragments.inl"
+
+#include "chi_segment.inl"
+
+#include "chi_tet_ranges.inl"
+
+/* Colours at x, extinctions at y: of none at their means, else as segment_partial, to which a full
+ * table in three dimensions falls back: it would need five. */
+CHI_INLINE void segment_separate(
+  const chi_segment_tables* t, vf x0, vf x1, vf y0, vf y1, vf length, const int method, vf out[4])
+{
+  vf x[2] = { x0, x1 }, y[2] = { y0, y1 };
+  if (method == CHI_PREINTEGRATION_NONE)
+  {
+    x[0] = x[1] = (x0 + x1) * 0.5f;
+    y[0] = y[1] = (y0 + y1) * 0.5f;
+  }
+  vf color[2][4], tau[2];
+  for (int k = 0; k < 2; ++k)
+  {
+    vf next[4], extinction[4];
+    const vf f = segment_load(t->color, y[k], extinction, next);
+    tau[k] = (extinction[3] + f * (next[3] - extinction[3])) * length;
+    const vf g = segment_load(t->color, x[k], color[k], next);
+    for (int c = 0; c < 3; ++c)
+    {
+      color[k][c] += g * (next[c] - color[k][c]);
+    }
+  }
+  const vf psi = segment_psi(tau[0], tau[1]);
+  out[3] = vf_exp_neg((tau[0] + tau[1]) * -0.5f);
+  for (int c = 0; c < 3; ++c)
+  {
+    out[c] = color[0][c] * (1.0f - psi) + color[1][c] * (psi - out[3]);
+  }
+}
+
+/* What differs from frame to frame, so that each combination has code of its own. */
+typedef struct variant
+{
+  int parallel, separate, cuts, picking, method;
+} variant;
+
+enum
+{
+  METHOD_MAXIMUM = 16 /* beside CHI_PREINTEGRATION_... */
+};
+
+/* Lengths along the rays, scalars as positions in the table. */
+CHI_INLINE void finish(tile_state* t, const variant u)
+{
+  const chi_tet_scene* const s = t->scene;
+  fragments* const f = &t->f;
+  const vf base = vf_set(s->base), scale = vf_set(s->scale), end = vf_set(s->end), zero = vf_set(0);
+  for (size_t i = 0; i < f->count; i += CHI_LANES)
+  {
+    if (!u.parallel)
+    {
+      const vi p = vi_load(f->pixel + i);
+      const vf x = vi_float(p & (CHI_TET_TILE - 1)) * (float)s->step[0] + (float)t->left;
+      const vf y = vi_float(p >> CHI_TET_TILE_SHIFT) * (float)s->step[1] + (float)t->bottom;
+      vf_store(f->length + i, vf_load(f->length + i) * vf_sqrt(x * x + y * y + 1.0f));
+    }
+    vf_store(f->x0 + i, vf_min(vf_max((vf_load(f->x0 + i) - base) * scale, zero), end));
+    vf_store(f->x1 + i, vf_min(vf_max((vf_load(f->x1 + i) - base) * scale, zero), end));
+    if (u.separate)
+    {
+      vf_store(f->y0 + i, vf_min(vf_max((vf_load(f->y0 + i) - base) * scale, zero), end));
+      vf_store(f->y1 + i, vf_min(vf_max((vf_load(f->y1 + i) - base) * scale, zero), end));
+    }
+  }
+}
+
+/* Colours front to back: premultiplied colour and transmittance of a pixel. */
+CHI_INLINE void blend(float* pixel, const float source[4])
+{
+#if defined(CHI_VEC_AVX512) || defined(CHI_VEC_AVX2)
+  const __m128 d = _mm_load_ps(pixel);
+  const __m128 t = _mm_shuffle_ps(d, d, 0xff);
+  _mm_store_ps(pixel, _mm_fmadd_ps(t, _mm_load_ps(source), _mm_blend_ps(d, _mm_setzero_ps(), 8)));
+#else
+  const float t = pixel[3];
+  pixel[0] += t * source[0];
+  pixel[1] += t * source[1];
+  pixel[2] += t * source[2];
+  pixel[3] = t * source[3];
+#endif
+}
+
+/* Vectors of red, green, blue and transmittance as one colour a fragment. */
+CHI_INLINE void transpose(const vf in[4], float out[CHI_LANES][4])
+{
+#if defined(CHI_VEC_AVX512)
+  const __m512 a = _mm512_unpacklo_ps((__m512)in[0], (__m512)in[1]);
+  const __m512 b = _mm512_unpackhi_ps((__m512)in[0], (__m512)in[1]);
+  const __m512 c = _mm512_unpacklo_ps((__m512)in[2], (__m512)in[3]);
+  const __m512 d = _mm512_unpackhi_ps((__m512)in[2], (__m512)in[3]);
+  const __m512 row[4] = { (__m512)_mm512_unpacklo_pd((__m512d)a, (__m512d)c),
+    (__m512)_mm512_unpackhi_pd((__m512d)a, (__m512d)c),
+    (__m512)_mm512_unpacklo_pd((__m512d)b, (__m512d)d),
+    (__m512)_mm512_unpackhi_pd((__m512d)b, (__m512d)d) };
+  for (int k = 0; k < 4; ++k)
+  {
+    _mm_store_ps(out[k], _mm512_castps512_ps128(row[k]));
+    _mm_store_ps(out[k + 4], _mm512_extractf32x4_ps(row[k], 1));
+    _mm_store_ps(out[k + 8], _mm512_extractf32x4_ps(row[k], 2));
+    _mm_store_ps(out[k + 12], _mm512_extractf32x4_ps(row[k], 3));
+  }
+#else
+  for (int i = 0; i < CHI_LANES; ++i)
+  {
+    for (int k = 0; k < 4; ++k)
+    {
+      out[i][k] = in[k][i];
+    }
+  }
+#endif
+}
+
+CHI_INLINE void keep_maximum(tile_state* t, const variant u)
+{
+  const fragments* const f = &t->f;
+  for (size_t i = 0; i < f->count; ++i)
+  {
+    float* const p = t->target->rgba + 4 * f->pixel[i];
+    const float x = f->x0[i] > f->x1[i] ? f->x0[i] : f->x1[i];
+    const float y = !u.separate ? x : f->y0[i] > f->y1[i] ? f->y0[i] : f->y1[i];
+    p[0] = x > p[0] ? x : p[0];
+    p[1] = y > p[1] ? y : p[1];
+  }
+}
+
+/* Where accumulated opacity passes what counts as hit; until then the most opaque fragment. */
+CHI_INLINE void pick(tile_state* t, size_t i, float transmittance)
+{
+  const fragments* const f = &t->f;
+  chi_tet_target* const g = t->target;
+  const int32_t pixel = f->pixel[i];
+  if (g->pick_alpha[pixel] > 1.0f)
+  {
+    return; /* hit before */
+  }
+  const float before = g->rgba[4 * pixel + 3];
+  const float share = before * (1.0f - transmittance);
+  const int hit = 1.0f - before * transmittance >= g->pick_opacity;
+  if (hit || share > g->pick_alpha[pixel])
+  {
+    g->pick_alpha[pixel] = hit ? 2.0f : share;
+    g->pick[pixel] = f->id[i];
+    g->pick_depth[pixel] = f->depth[i];
+  }
+}
+
+CHI_INLINE void consume(tile_state* t, const variant u)
+{
+  const chi_segment_tables* const tables = t->scene->tables;
+  fragments* const f = &t->f;
+  for (size_t i = f->count; i < f->count + CHI_LANES; ++i) /* whole vectors are worked on */
+  {
+    f->pixel[i] = 0;
+    f->length[i] = f->x0[i] = f->x1[i] = f->y0[i] = f->y1[i] = 0;
+  }
+  finish(t, u);
+  t->tally->fragments += (int64_t)f->count;
+  if (u.method == METHOD_MAXIMUM)
+  {
+    keep_maximum(t, u);
+    f->count = 0;
+    return;
+  }
+  float* const rgba = t->target->rgba;
+  for (size_t i = 0; i < f->count; i += CHI_LANES)
+  {
+    const vf x0 = vf_load(f->x0 + i), x1 = vf_load(f->x1 + i), length = vf_load(f->length + i);
+    vf color[4];
+    if (u.separate)
+    {
+      segment_separate(
+        tables, x0, x1, vf_load(f->y0 + i), vf_load(f->y1 + i), length, u.method, color);
+    }
+    else if (u.method == CHI_PREINTEGRATION_FULL)
+    {
+      segment_full(tables, x0, x1, length, color);
+    }
+    else if (u.method == CHI_PREINTEGRATION_PARTIAL)
+    {
+      segment_partial(tables, x0, x1, length, color);
+    }
+    else
+    {
+      segment_none(tables, x0, x1, length, color);
+    }
+    float source[CHI_LANES][4] __attribute__((aligned(64)));
+    transpose(color, source);
+    const size_t left = f->count - i;
+    const int n = left < CHI_LANES ? (int)left : CHI_LANES;
+    for (int k = 0; k < n; ++k)
+    {
+      if (u.picking)
+      {
+        pick(t, i + (size_t)k, source[k][3]);
+      }
+      blend(rgba + 4 * f->pixel[i + (size_t)k], source[k]);
+    }
+  }
+  f->count = 0;
+}
+
+CHI_INLINE void flush(tile_state* t, const variant u)
+{
+  t->tally->candidates += (int64_t)t->candidate_count;
+  if (t->delicate >= 0)
+  {
+    cross_delicate(t, t->delicate_from);
+    t->delicate_from = 0;
+  }
+  for (int i = 0; i < CHI_LANES; ++i) /* of the last vector, which has no more */
+  {
+    t->candidate[t->candidate_count + (size_t)i] = 0;
+  }
+  evaluate(t, u.parallel, u.separate, u.cuts, u.picking);
+  if (t->f.count > FRAGMENTS - CANDIDATES - CHI_TET_TILE)
+  {
+    consume(t, u);
+  }
+}
+
+/* Candidates from `first` to `last` of a row. */
+CHI_INLINE void add_span(tile_state* t, int lane, int32_t row, int32_t first, int32_t last)
+{
+  const batch* const r = &t->r;
+  const int32_t start = (row << CHI_TET_TILE_SHIFT) + first + (lane << LANE_SHIFT) +
+    ((first - r->x0[lane]) << DX_SHIFT) + ((row - r->y0[lane]) << DY_SHIFT);
+  const int32_t each = 1 + (1 << DX_SHIFT);
+  static const int32_t steps[16] = { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15 };
+  const vi steps_of = vi_load(steps) * each + start;
+  const int32_t count = last - first + 1;
+  int32_t* const out = t->candidate + t->candidate_count;
+  for (int32_t i = 0; i < count; i += CHI_LANES)
+  {
+    vi_store(out + i, steps_of + each * i);
+  }
+  t->candidate_count += (size_t)count;
+}
+
+/* All pixels of a bounding box of at most SMALL_AREA pixels, from a table by its width. */
+typedef struct small_boxes
+{
+  int32_t at[SMALL_AREA + 1][SMALL_AREA];
+} small_boxes;
+
+static void make_small_boxes(small_boxes* boxes)
+{
+  for (int width = 1; width <= SMALL_AREA; ++width)
+  {
+    for (int i = 0; i < SMALL_AREA; ++i)
+    {
+      const int x = i % width, y = i / width;
+      boxes->at[width][i] = (y << CHI_TET_TILE_SHIFT) + x + (x << DX_SHIFT) + (y << DY_SHIFT);
+    }
+  }
+}
+
+CHI_INLINE void add_rows(tile_state* t, int lane, const variant u)
+{
+  const batch* const r = &t->r;
+  const int32_t x0 = r->x0[lane], x1 = r->x1[lane], y1 = r->y1[lane];
+  const int spread = r->state[lane] & SPREAD;
+  for (int32_t y = r->y0[lane]; y <= y1; y += CHI_LANES)
+  {
+    int32_t first[CHI_LANES], last[CHI_LANES];
+    const int32_t rows = y1 - y + 1 < CHI_LANES ? y1 - y + 1 : CHI_LANES;
+    if (spread)
+    {
+      for (int32_t i = 0; i < rows; ++i)
+      {
+        first[i] = x0;
+        last[i] = x1;
+      }
+    }
+    else
+    {
+      const vf row = vf_iota() + (float)y;
+      vf left = vf_set(1e9f), right = vf_set(-1e9f);
+      for (int e = 0; e < 6; ++e)
+      {
+        const vi meets = (row >= r->edge_low[e][lane]) & (row <= r->edge_high[e][lane]);
+        const vf x = row * r->edge_slope[e][lane] + r->edge_x[e][lane];
+        left = vf_select(meets, vf_min(left, x), left);
+        right = vf_select(meets, vf_max(right, x), right);
+      }
+      /* twice the margin: the slope carries that of the row */
+      const vf l = vf_max(left - 4 * MARGIN, vf_set((float)x0));
+      const vf h = vf_min(right + 4 * MARGIN, vf_set((float)x1));
+      const vi li = vf_int(vf_min(l, vf_set(CHI_TET_TILE)));
+      const vi hi = vf_int(vf_max(h, vf_set(-1)) + 1.0f) - 1;
+      vi_store(first, li - (vi_float(li) < l));
+      vi_store(last, hi);
+    }
+    for (int32_t i = 0; i < rows; ++i)
+    {
+      if (last[i] >= first[i])
+      {
+        add_span(t, lane, y + i, first[i], last[i]);
+        if (t->candidate_count > CANDIDATES - CHI_TET_TILE)
+        {
+          flush(t, u);
+        }
+      }
+    }
+  }
+}
+
+CHI_INLINE void draw_batch(tile_state* t, int n, const small_boxes* boxes, const variant u)
+{
+  batch* const r = &t->r;
+  for (int o = 0; o < CHI_LANES && o < n; o += HALF_LANES)
+  {
+    set_up(r, o, t->scene, t->x, t->y, u.parallel, u.separate);
+  }
+  t->tally->tetrahedra += n;
+  for (int lane = 0; lane < n; ++lane)
+  {
+    const int32_t width = r->x1[lane] - r->x0[lane] + 1, height = r->y1[lane] - r->y0[lane] + 1;
+    if (width <= 0 || height <= 0)
+    {
+      continue;
+    }
+    if (r->state[lane] & FLAT)
+    {
+      ++t->tally->flat;
+      continue;
+    }
+    if (r->state[lane] & DELICATE_CELL)
+    {
+      ++t->tally->delicate;
+      make_faces(t, lane);
+      t->delicate = lane;
+      t->delicate_from = t->candidate_count;
+    }
+    if (width * height <= SMALL_AREA)
+    {
+      const int32_t start =
+        (r->y0[lane] << CHI_TET_TILE_SHIFT) + r->x0[lane] + (lane << LANE_SHIFT);
+      for (int i = 0; i < SMALL_AREA; i += CHI_LANES)
+      {
+        vi_store(t->candidate + t->candidate_count + i, vi_load(boxes->at[width] + i) + start);
+      }
+      t->candidate_count += (size_t)(width * height);
+    }
+    else
+    {
+      add_rows(t, lane, u);
+    }
+    if (t->delicate >= 0)
+    {
+      cross_delicate(t, t->delicate_from);
+      t->delicate = -1;
+    }
+    if (t->candidate_count > CANDIDATES - CHI_TET_TILE)
+    {
+      flush(t, u);
+    }
+  }
+  flush(t, u);
+}
+
+static int is_saturated(const float* rgba, float stop)
+{
+  vf most = vf_set(0);
+  for (size_t i = 3; i < 4 * CHI_TET_TILE_PIXELS; i += 4)
+  {
+    if (rgba[i] > stop)
+    {
+      return 0;
+    }
+  }
+  (void)most;
+  return 1;
+}
+
+CHI_INLINE void draw_tile(const chi_tet_scene* scene, const uint64_t* list, size_t count,
+  int32_t tile_x, int32_t tile_y, chi_tet_target* target, chi_tet_tally* tally, const variant u)
+{
+  tile_state t;
+  small_boxes boxes;
+  make_small_boxes(&boxes);
+  t.scene = scene;
+  t.x = tile_x;
+  t.y = tile_y;
+  t.left = scene->first[0] + scene->step[0] * tile_x;
+  t.bottom = scene->first[1] + scene->step[1] * tile_y;
+  t.candidate_count = 0;
+  t.delicate = -1;
+  t.f.count = 0;
+  t.target = target;
+  t.tally = tally;
+  for (size_t k = 0; k < scene->plane_count; ++k)
+  {
+    const double* const p = scene->planes + 4 * k;
+    t.plane[k][0] = (float)((scene->parallel ? -p[0] : p[0]) * scene->step[0]);
+    t.plane[k][1] = (float)((scene->parallel ? -p[1] : p[1]) * scene->step[1]);
+    t.plane[k][2] = (float)(scene->parallel ? -(p[0] * t.left + p[1] * t.bottom + p[3])
+                                            : p[0] * t.left + p[1] * t.bottom + p[2]);
+    t.plane[k][3] = (float)(scene->parallel ? p[2] : -p[3]);
+  }
+  const size_t check = 64 * CHI_LANES; /* how often to look whether all is opaque: cheap enough */
+  for (size_t done = 0; done < count; done += CHI_LANES)
+  {
+    const size_t left = count - done;
+    const int n = left < CHI_LANES ? (int)left : CHI_LANES;
+    for (int i = 0; i < CHI_LANES; ++i)
+    {
+      t.r.id[i] = (uint32_t)list[left - 1 - (size_t)(i < n ? i : n - 1)];
+    }
+    for (int i = 0; i < CHI_LANES; ++i) /* the next batch's points, and the vertices of one later */
+    {
+      const size_t next = (size_t)(CHI_LANES + i), later = (size_t)(3 * CHI_LANES + i);
+      if (next < left)
+      {
+        const uint32_t* const v = scene->vertices + 4 * (size_t)(uint32_t)list[left - 1 - next];
+        for (int c = 0; c < 4; ++c)
+        {
+          __builtin_prefetch(scene->points + v[c]);
+        }
+      }
+      if (later < left)
+      {
+        __builtin_prefetch(scene->vertices + 4 * (size_t)(uint32_t)list[left - 1 - later]);
+      }
+    }
+    draw_batch(&t, n, &boxes, u);
+    if (target->stop > 0 && done % check == 0 && done > 0)
+    {
+      consume(&t, u);
+      if (is_saturated(target->rgba, target->stop))
+      {
+        tally->saturated += (int64_t)(left - (size_t)n);
+        return;
+      }
+    }
+  }
+  consume(&t, u);
+}
+
+#define CHI_DRAW(name, parallel, separate, cuts, method)                                           \
+  static __attribute__((noinline)) void name(const chi_tet_scene* scene, const uint64_t* list,     \
+    size_t count, int32_t tile_x, int32_t tile_y, chi_tet_target* target, chi_tet_tally* tally)    \
+  {                                                                                                \
+    draw_tile(scene, list, count, tile_x, tile_y, target, tally,                                   \
+      (variant){ parallel, separate, cuts, 0, method });                                           \
+  }
+CHI_DRAW(draw_none, 0, 0, 0, CHI_PREINTEGRATION_NONE)
+CHI_DRAW(draw_partial, 0, 0, 0, CHI_PREINTEGRATION_PARTIAL)
+CHI_DRAW(draw_full, 0, 0, 0, CHI_PREINTEGRATION_FULL)
+CHI_DRAW(draw_partial_cut, 0, 0, 1, CHI_PREINTEGRATION_PARTIAL)
+
+/* Everything that is rarer, by one code. */
+static __attribute__((noinline)) void draw_any(const chi_tet_scene* scene, const uint64_t* list,
+  size_t count, int32_t tile_x, int32_t tile_y, chi_tet_target* target, chi_tet_tally* tally)
+{
+  const variant u = { scene->parallel, scene->separate, scene->depth || scene->plane_count,
+    target->pick_alpha != NULL, scene->maximum ? METHOD_MAXIMUM : scene->tables->method };
+  draw_tile(scene, list, count, tile_x, tile_y, target, tally, u);
+}
+
+static void draw(const chi_tet_scene* scene, const uint64_t* list, size_t count, int32_t tile_x,
+  int32_t tile_y, chi_tet_target* target, chi_tet_tally* tally)
+{
+  const int cuts = scene->depth || scene->plane_count;
+  const int plain = !scene->parallel && !scene->separate && !target->pick_alpha && !scene->maximum;
+  const int method = scene->tables->method;
+  (plain && !cuts && method == CHI_PREINTEGRATION_PARTIAL     ? draw_partial
+      : plain && cuts && method == CHI_PREINTEGRATION_PARTIAL ? draw_partial_cut
+      : plain && !cuts && method == CHI_PREINTEGRATION_FULL   ? draw_full
+      : plain && !cuts && method == CHI_PREINTEGRATION_NONE
+      ? draw_none
+      : draw_any)(scene, list, count, tile_x, tile_y, target, tally);
+}

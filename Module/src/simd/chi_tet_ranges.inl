@@ -1,0 +1,106 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+
+/* Which tiles of the window a tetrahedron may have pixels in. */
+
+/* Pixels; the points on the screen are floats: 16 roundings of the largest window. */
+#define RANGE_MARGIN 2e-2f
+
+static uint32_t range_of_box(const chi_tet_window* w, const float low[2], const float high[2])
+{
+  const float last[2] = { (float)(w->width - 1), (float)(w->height - 1) };
+  uint32_t range = 0;
+  for (int k = 0; k < 2; ++k)
+  {
+    if (high[k] < -RANGE_MARGIN || low[k] > last[k] + RANGE_MARGIN)
+    {
+      return CHI_TET_OUTSIDE;
+    }
+    const float from = low[k] - RANGE_MARGIN > 0 ? ceilf(low[k] - RANGE_MARGIN) : 0;
+    const float to = high[k] + RANGE_MARGIN < last[k] ? floorf(high[k] + RANGE_MARGIN) : last[k];
+    if (from > to)
+    {
+      return CHI_TET_UNCOVERED;
+    }
+    range |= ((uint32_t)from >> CHI_TET_TILE_SHIFT) << (8 * k) |
+      ((uint32_t)to >> CHI_TET_TILE_SHIFT) << (16 + 8 * k);
+  }
+  return range;
+}
+
+/* One that crosses the near plane may be anywhere. */
+static uint32_t range_at_near_plane(const chi_tet_window* w, const uint32_t v[4])
+{
+  int near_points = 0;
+  float low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY };
+  for (int i = 0; i < 4; ++i)
+  {
+    const float* const p = w->screen[v[i]];
+    near_points += isnan(p[0]) != 0;
+    for (int k = 0; k < 2; ++k)
+    {
+      low[k] = p[k] < low[k] ? p[k] : low[k];
+      high[k] = p[k] > high[k] ? p[k] : high[k];
+    }
+  }
+  return near_points == 0 ? range_of_box(w, low, high)
+    : near_points == 4    ? CHI_TET_OUTSIDE
+                          : (uint32_t)(w->width - 1) >> CHI_TET_TILE_SHIFT << 16 |
+      (uint32_t)(w->height - 1) >> CHI_TET_TILE_SHIFT << 24;
+}
+
+static void ranges(const chi_tet_window* w, size_t begin, size_t end, uint32_t* out)
+{
+  if (w->any_near)
+  {
+    for (size_t t = begin; t < end; ++t)
+    {
+      out[t] = range_at_near_plane(w, w->vertices + 4 * t);
+    }
+    return;
+  }
+#ifdef __SSE4_1__
+  const __m128 margin = _mm_set1_ps(RANGE_MARGIN), zero = _mm_setzero_ps();
+  const float x = (float)(w->width - 1), y = (float)(w->height - 1);
+  const __m128 last = _mm_setr_ps(x, y, x, y);
+  for (size_t t = begin; t < end; ++t)
+  {
+    const uint32_t* const v = w->vertices + 4 * t;
+    const double* const p = (const double*)w->screen; /* pairs of floats, moved as one */
+    const __m128 a = (__m128)_mm_loadh_pd(_mm_load_sd(p + v[0]), p + v[1]);
+    const __m128 b = (__m128)_mm_loadh_pd(_mm_load_sd(p + v[2]), p + v[3]);
+    __m128 low = _mm_min_ps(a, b), high = _mm_max_ps(a, b);
+    low = _mm_min_ps(low, _mm_movehl_ps(low, low));
+    high = _mm_max_ps(high, _mm_movehl_ps(high, high));
+    const __m128 from = _mm_ceil_ps(_mm_max_ps(_mm_sub_ps(low, margin), zero));
+    const __m128 to = _mm_floor_ps(_mm_min_ps(_mm_add_ps(high, margin), last));
+    if (_mm_movemask_ps(_mm_cmple_ps(from, to)) != 15)
+    {
+      const float corners[2][2] = { { low[0], low[1] }, { high[0], high[1] } };
+      out[t] = range_of_box(w, corners[0], corners[1]);
+      continue;
+    }
+    const __m128i tile =
+      _mm_srli_epi32(_mm_cvttps_epi32(_mm_movelh_ps(from, to)), CHI_TET_TILE_SHIFT);
+    const __m128i words = _mm_packus_epi32(tile, tile);
+    out[t] = (uint32_t)_mm_cvtsi128_si32(_mm_packus_epi16(words, words));
+  }
+#else
+  for (size_t t = begin; t < end; ++t)
+  {
+    const uint32_t* const v = w->vertices + 4 * t;
+    float low[2], high[2];
+    for (int k = 0; k < 2; ++k)
+    {
+      low[k] = high[k] = w->screen[v[0]][k];
+      for (int i = 1; i < 4; ++i)
+      {
+        const float c = w->screen[v[i]][k];
+        low[k] = c < low[k] ? c : low[k];
+        high[k] = c > high[k] ? c : high[k];
+      }
+    }
+    out[t] = range_of_box(w, low, high);
+  }
+#endif
+}
