@@ -182,47 +182,81 @@ static int make_room(const chi_exec* exec, chi_preintegration* p, size_t count)
   return p->entries && p->psi;
 }
 
-/* Premultiplied colour and optical depth of a segment from place a to b without attenuation, as the
- * transfer function has it and as partial pre-integration does; the larger difference. */
-static double linear_error(const chi_segment_tables* t, double a, double b, double length)
+/* Integral of colour x extinction, and of extinction, from the first entry to place x; `sums` holds
+ * those to each entry. */
+static void sum_to(const chi_segment_tables* t, double (*const sums)[4], double x, double sum[4])
 {
-  double front[4], back[4], sum[4] = { 0 }, linear[4] = { 0 }, error = 0;
+  const double entry = floor(x);
+  memcpy(sum, sums[(size_t)entry], sizeof *sums);
+  chi_integrate_entries(t->color, t->count, entry, x, sum);
+}
+
+/* What a segment from place a to b adds to a pixel, without attenuation, less what partial
+ * pre-integration takes for it; the largest of its colours and optical depth. */
+static double linear_error(
+  const chi_segment_tables* t, double (*const sums)[4], double a, double b, double length)
+{
+  double front[4], back[4], before[4], sum[4], linear[4] = { 0 }, error = 0;
   chi_classify_at(t->color, t->count, a, front);
   chi_classify_at(t->color, t->count, b, back);
-  chi_integrate_entries(t->color, t->count, a, b, sum);
   chi_add_products(front, back, b - a, linear);
+  sum_to(t, sums, a, before);
+  sum_to(t, sums, b, sum);
   for (int c = 0; c < 4; ++c)
   {
-    error = fmax(error, fabs(sum[c] - linear[c]));
+    error = fmax(error, fabs(sum[c] - before[c] - linear[c]));
   }
-  const double thick = 1 + fmin(sum[3], linear[3]) * length / (b - a); /* what is left of it */
+  /* Of what is thick, only so much is seen. */
+  const double thick = 1 + fmin(sum[3] - before[3], linear[3]) * length / (b - a);
   return error * length / (b - a) / thick;
 }
 
-/* Whether segments of at most that range and length may be taken as linear: the error that one of
- * them adds to a pixel is 1/510 at most. That is of the longest one, and a ray that crosses some
- * such cells crosses them elsewhere in the table. */
-static int is_linear(const chi_segment_tables* t, const sources* s)
+/* Whether segments of at most that range and length may be taken as linear: the error of one of the
+ * longest is 1/510 at most. Those from and to every entry are looked at, and shorter ones, because
+ * what bends up and down again may cancel. */
+static int is_linear(const chi_segment_tables* t, double (*const sums)[4], const sources* s)
 {
-  const double end = t->count - 1;
+  const double end = t->count - 1, most = 0.5 / 255;
   const double range =
     s->params.segment_range > 0 ? s->params.segment_range / (t->range[1] - t->range[0]) * end : end;
-  const double half = 0.5 * fmin(range, end);
   const double length =
     s->params.longest_segment > 0 ? s->params.longest_segment : s->transfer.unit_distance;
-  const double step = fmax(1, floor(0.25 * half));
-  for (double x = 0; x <= end; x += step)
+  memset(sums[0], 0, sizeof sums[0]);
+  for (int i = 1; i < t->count; ++i)
   {
-    for (double width = half; width >= 0.25 * half; width *= 0.5) /* bends up and down may cancel */
+    memcpy(sums[i], sums[i - 1], sizeof sums[i]);
+    chi_integrate_entries(t->color, t->count, i - 1, i, sums[i]);
+  }
+  for (double share = 1; share > 0.2; share *= 0.5)
+  {
+    const double way = fmin(range, end) * share;
+    for (int i = 0; i < t->count; ++i)
     {
-      const double a = fmax(x - width, 0), b = fmin(x + width, end);
-      if (linear_error(t, a, b, length * (b - a) / (2 * half)) > 0.5 / 255)
+      const double up = fmin(i + way, end), down = fmax(i - way, 0);
+      if ((up > i && linear_error(t, sums, i, up, length * share) > most) ||
+        (down < i && linear_error(t, sums, down, i, length * share) > most) ||
+        (up > down &&
+          linear_error(t, sums, 0.5 * (down + i), 0.5 * (up + i), length * share) > most))
       {
         return 0;
       }
     }
   }
   return 1;
+}
+
+/* AUTO's choice. */
+static chi_status choose_method(const chi_exec* exec, chi_segment_tables* t, const sources* s)
+{
+  const size_t count = (size_t)t->count;
+  double(*const sums)[4] = (double(*)[4])chi_alloc(exec, count, sizeof *sums);
+  if (!sums)
+  {
+    return CHI_ERROR_OUT_OF_MEMORY;
+  }
+  t->method = is_linear(t, sums, s) ? CHI_PREINTEGRATION_PARTIAL : CHI_PREINTEGRATION_FULL;
+  chi_free(exec, sums, count, sizeof *sums);
+  return CHI_OK;
 }
 
 static chi_status fill_full(const chi_exec* exec, chi_preintegration* p, chi_segment_tables* t)
@@ -272,11 +306,11 @@ chi_status chi_preintegration_update(const chi_exec* exec, chi_preintegration* p
     .color = (const float(*)[4])p->entries,
     .depth = (const float(*)[4])p->entries + count + 1,
     .psi = p->psi[0] };
-  if (t.method == CHI_PREINTEGRATION_AUTO)
+  chi_status status = t.method == CHI_PREINTEGRATION_AUTO ? choose_method(exec, &t, &now) : CHI_OK;
+  if (status == CHI_OK && t.method == CHI_PREINTEGRATION_FULL)
   {
-    t.method = is_linear(&t, &now) ? CHI_PREINTEGRATION_PARTIAL : CHI_PREINTEGRATION_FULL;
+    status = fill_full(exec, p, &t);
   }
-  const chi_status status = t.method == CHI_PREINTEGRATION_FULL ? fill_full(exec, p, &t) : CHI_OK;
   if (status == CHI_OK)
   {
     t.version = ++p->version;

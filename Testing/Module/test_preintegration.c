@@ -1,85 +1,12 @@
 /* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "chi_test.h"
+#include "preintegration_fixture.h"
 #include "segment_reference.h"
-
-#include <chiaroscuro/chi_preintegration.h>
 
 enum
 {
-  MOST = 1024,
   SEGMENTS = 2000
 };
-
-/* A transfer function, and what is made of it. */
-typedef struct fixture
-{
-  float rgb[MOST][3], opacity[MOST];
-  chi_transfer_view transfer;
-  chi_preintegration_params params;
-  chi_preintegration* handle;
-  chi_segment_tables tables;
-} fixture;
-
-static fixture* make_fixture(size_t count, int method)
-{
-  fixture* const f = calloc(1, sizeof *f);
-  if (!f || chi_preintegration_create(NULL, &f->handle) != CHI_OK)
-  {
-    exit(1);
-  }
-  chi_preintegration_default_params(&f->params);
-  f->params.method = method;
-  f->transfer = (chi_transfer_view){ .struct_size = sizeof f->transfer,
-    .rgb = f->rgb[0],
-    .opacity = f->opacity,
-    .count = count,
-    .range = { 0, (double)(count - 1) }, /* so that scalars are places */
-    .unit_distance = 1,
-    .version = 1 };
-  return f;
-}
-
-static void free_fixture(fixture* f)
-{
-  chi_preintegration_destroy(NULL, f->handle);
-  free(f);
-}
-
-static void update(fixture* f)
-{
-  ++f->transfer.version;
-  CHECK(chi_preintegration_update(NULL, f->handle, &f->transfer, &f->params) == CHI_OK);
-  chi_preintegration_get_tables(f->handle, &f->tables);
-}
-
-static void fill_constant(fixture* f, float r, float g, float b, float opacity)
-{
-  for (size_t i = 0; i < f->transfer.count; ++i)
-  {
-    f->rgb[i][0] = r;
-    f->rgb[i][1] = g;
-    f->rgb[i][2] = b;
-    f->opacity[i] = opacity;
-  }
-}
-
-static void fill_random(fixture* f, uint32_t seed)
-{
-  for (size_t i = 0; i < f->transfer.count; ++i)
-  {
-    for (int c = 0; c < 3; ++c)
-    {
-      f->rgb[i][c] = (float)chi_test_random(&seed);
-    }
-    f->opacity[i] = (float)chi_test_random(&seed);
-  }
-}
-
-static void one(const fixture* f, float x0, float x1, float length, float rgba[4])
-{
-  CHECK(chi_segment_evaluate(&f->tables, 1, &x0, &x1, &length, rgba) == CHI_OK);
-}
 
 /* Float rounding of some ten operations. */
 static const double rounding = 1e-6;
@@ -209,69 +136,6 @@ static void partial_is_the_integral_of_a_linear_segment(void)
   free_fixture(f);
 }
 
-static void what_is_not_finite_or_out_of_range_is_refused(void)
-{
-  fixture* const f = make_fixture(5, CHI_PREINTEGRATION_NONE);
-  fill_random(f, 1);
-  update(f);
-  const float(*const color)[4] = f->tables.color;
-  const uint64_t version = f->tables.version;
-  const fixture whole = *f;
-#define REFUSED(change)                                                                            \
-  do                                                                                               \
-  {                                                                                                \
-    change;                                                                                        \
-    ++f->transfer.version;                                                                         \
-    CHECK(chi_preintegration_update(NULL, f->handle, &f->transfer, &f->params) ==                  \
-      CHI_ERROR_INVALID_ARGUMENT);                                                                 \
-    *f = whole;                                                                                    \
-  } while (0)
-  REFUSED(f->rgb[3][1] = NAN);
-  REFUSED(f->opacity[4] = NAN);
-  REFUSED(f->opacity[0] = INFINITY);
-  REFUSED(f->transfer.count = 1);
-  REFUSED(f->transfer.count = 65537);
-  REFUSED(f->transfer.rgb = NULL);
-  REFUSED(f->transfer.opacity = NULL);
-  REFUSED(f->transfer.range[1] = 0);
-  REFUSED(f->transfer.range[0] = NAN);
-  REFUSED(f->transfer.range[1] = INFINITY);
-  REFUSED(f->transfer.unit_distance = 0);
-  REFUSED(f->transfer.unit_distance = 1e-300);
-  REFUSED(f->transfer.unit_distance = INFINITY);
-  REFUSED(f->transfer.table_count = 2);
-  REFUSED(f->transfer.plane = f->opacity);
-  REFUSED(f->params.method = 4);
-  REFUSED(f->params.method = -1);
-  REFUSED(f->params.opacity_convention = 2);
-  REFUSED(f->params.longest_segment = -1);
-  REFUSED(f->params.segment_range = NAN);
-  REFUSED(f->params.struct_size = 8);
-  REFUSED(f->transfer.struct_size = 8);
-#undef REFUSED
-  CHECK(chi_preintegration_update(NULL, NULL, &f->transfer, NULL) == CHI_ERROR_INVALID_ARGUMENT);
-  CHECK(chi_preintegration_update(NULL, f->handle, NULL, NULL) == CHI_ERROR_INVALID_ARGUMENT);
-  CHECK(chi_preintegration_create(NULL, NULL) == CHI_ERROR_INVALID_ARGUMENT);
-  chi_preintegration_get_tables(f->handle, &f->tables);
-  CHECK(f->tables.color == color && f->tables.version == version); /* they stand */
-  const float x = 0;
-  float rgba[4];
-  CHECK(chi_segment_evaluate(&f->tables, 0, NULL, NULL, NULL, NULL) == CHI_OK);
-  CHECK(chi_segment_evaluate(&f->tables, 1, &x, &x, NULL, rgba) == CHI_ERROR_INVALID_ARGUMENT);
-  CHECK(chi_segment_evaluate(NULL, 1, &x, &x, &x, rgba) == CHI_ERROR_INVALID_ARGUMENT);
-  f->tables.method = 0;
-  CHECK(chi_segment_evaluate(&f->tables, 1, &x, &x, &x, rgba) == CHI_ERROR_INVALID_ARGUMENT);
-  free_fixture(f);
-  chi_preintegration* empty = NULL;
-  CHECK(chi_preintegration_create(NULL, &empty) == CHI_OK);
-  chi_segment_tables none;
-  chi_preintegration_get_tables(empty, &none);
-  CHECK(none.count == 0 && none.color == NULL);
-  CHECK(chi_segment_evaluate(&none, 1, &x, &x, &x, rgba) == CHI_ERROR_NOT_READY);
-  chi_preintegration_destroy(NULL, empty);
-  chi_preintegration_destroy(NULL, NULL);
-}
-
 static void odd_segments_are_defined(void)
 {
   static const float x[] = { NAN, -3, 0, 2.5f, 4, 1e9f };
@@ -323,33 +187,6 @@ static void segments_do_not_see_their_neighbours(void)
       CHECK(memcmp(rgba, all[i], sizeof rgba) == 0);
     }
     free_fixture(f);
-  }
-}
-
-enum
-{
-  SMOOTH,
-  PEAK,
-  BOXES,
-  STEP,
-  RANDOM
-};
-
-static const char* const kind_name[] = { "smooth", "peak", "boxes", "step", "random" };
-
-static void fill_kind(fixture* f, int kind)
-{
-  fill_random(f, 9);
-  for (size_t i = 0; i < f->transfer.count && kind != RANDOM; ++i)
-  {
-    const double s = (double)i / (double)(f->transfer.count - 1);
-    f->rgb[i][0] = (float)s;
-    f->rgb[i][1] = (float)(4 * s * (1 - s));
-    f->rgb[i][2] = (float)(1 - s);
-    f->opacity[i] = (float)(kind == SMOOTH ? 0.2 * s * s
-        : kind == PEAK                     ? exp(-0.5 * pow(200 * (s - 0.5), 2))
-        : kind == BOXES                    ? (s > 0.3 && s < 0.32) || (s > 0.6 && s < 0.605)
-                                           : s > 0.5);
   }
 }
 
@@ -406,7 +243,7 @@ static void full_pre_integration_keeps_what_is_thinner_than_a_cell(void)
     double error[4][2];
     for (int method = 1; method <= CHI_PREINTEGRATION_FULL; ++method)
     {
-      fixture* const f = make_fixture(MOST, method);
+      fixture* const f = make_fixture(1024, method);
       fill_kind(f, kind);
       f->transfer.unit_distance = kind == RANDOM ? 1 : 0.125 / 3;
       update(f);
@@ -423,11 +260,11 @@ static void full_pre_integration_keeps_what_is_thinner_than_a_cell(void)
 
 static void optical_depth_is_exact_over_any_distance(void)
 {
-  fixture* const f = make_fixture(MOST, CHI_PREINTEGRATION_FULL);
+  fixture* const f = make_fixture(1024, CHI_PREINTEGRATION_FULL);
   fill_random(f, 21);
   f->opacity[300] = f->opacity[301] = 0;
   update(f);
-  const segment_entries e = { f->tables.color, MOST };
+  const segment_entries e = { f->tables.color, 1024 };
   uint32_t seed = 4;
   for (int i = 0; i < SEGMENTS; ++i)
   {
@@ -450,7 +287,6 @@ int main(void)
   full_pre_integration_keeps_what_is_thinner_than_a_cell();
   optical_depth_is_exact_over_any_distance();
   partial_is_the_integral_of_a_linear_segment();
-  what_is_not_finite_or_out_of_range_is_refused();
   odd_segments_are_defined();
   segments_do_not_see_their_neighbours();
   a_constant_transfer_function_has_its_closed_form();
