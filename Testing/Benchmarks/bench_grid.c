@@ -3,8 +3,9 @@
 
 /*
  * Counting and splitting grids of n^3 cubes into 0.2, 1 and 5 million tetrahedra, on one thread and
- * on two: an image, the same points as a curvilinear grid, as hexahedra, and as the tetrahedra of
- * the image's own split. n in the output is the number of tetrahedra. Prints CSV.
+ * on two: an image, the same points as a curvilinear grid, as hexahedra (once more with neighbours'
+ * ids far apart), and as the tetrahedra of the image's own split. n in the output is the number of
+ * tetrahedra. Prints CSV.
  */
 
 #include "chi_bench.h"
@@ -12,6 +13,12 @@
 #include <chiaroscuro/chi_grid.h>
 
 #include <math.h>
+#include <string.h>
+
+enum
+{
+  SCATTER = 1000003 /* a prime, so that every id is met once */
+};
 
 static void must(int holds, const char* what)
 {
@@ -113,6 +120,20 @@ static void run_all(size_t n)
   }
   offsets[cubes] = (int64_t)(8 * cubes);
   run("hexahedra", &view, volume);
+
+  double* const scattered = room(points, 3 * sizeof *scattered);
+  for (size_t i = 0; i < points; ++i)
+  {
+    memcpy(scattered + 3 * (i * SCATTER % points), x + 3 * i, 3 * sizeof *x);
+  }
+  for (size_t i = 0; i < 8 * cubes; ++i)
+  {
+    ids[i] = (int64_t)((size_t)ids[i] * SCATTER % points);
+  }
+  view.points.data = scattered;
+  run("hexahedra (scattered ids)", &view, volume);
+  view.points.data = x;
+  free(scattered);
 
   view.cell_count = tetrahedra;
   view.connectivity_count = 4 * tetrahedra;
