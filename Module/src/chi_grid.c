@@ -70,6 +70,7 @@ static int count_cell(const chi_grid* grid, size_t index, chi_grid_counts* count
       counts->flat_cells += split.flat;
       counts->folded_cells += (size_t)split.folded;
       counts->collapsed_tetrahedra += split.collapsed;
+      counts->single_cells += split.tetrahedra == 1;
       counts->volume += split.volume;
       widen(counts->bounds, cell.low, cell.high);
       return split.way;
@@ -144,6 +145,7 @@ static void add_up(grid_job* job, chi_grid_counts* sum)
     sum->flat_cells += counts->flat_cells;
     sum->folded_cells += counts->folded_cells;
     sum->collapsed_tetrahedra += counts->collapsed_tetrahedra;
+    sum->single_cells += counts->single_cells;
     sum->volume += counts->volume;
     if (sum->first_bad_cell < 0)
     {

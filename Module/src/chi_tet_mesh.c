@@ -15,7 +15,7 @@ chi_status chi_tet_mesh_build(const chi_exec* exec, chi_tet_mesh* mesh, const ch
   const chi_grid_counts* const n = &mesh->counts;
   const int has_points = grid->kind == CHI_GRID_UNSTRUCTURED || grid->kind == CHI_GRID_CURVILINEAR;
   const int borrow = has_points && n->extra_points == 0;
-  const int identity = grid->kind == CHI_GRID_UNSTRUCTURED && n->tetrahedra == n->cells;
+  const int identity = n->single_cells == n->cells; /* tetrahedron i is cell i */
   mesh->point_count = n->points + n->extra_points;
   if (n->tetrahedra > UINT32_MAX - 1 ||
     !chi_buffer_reserve(exec, &mesh->vertices, n->tetrahedra, 4 * sizeof(uint32_t)) ||

@@ -52,6 +52,7 @@ static void what_is_left_out_is_counted(void)
   const chi_grid_counts* const c = &s.counts;
   CHECK(c->cells == 17 && c->points == 15);
   CHECK(c->tetrahedra == 7 && c->flat_cells == 1 && c->collapsed_tetrahedra == 1);
+  CHECK(c->single_cells == 1);
   CHECK(c->ghost_cells == 1 && c->blanked_cells == 2); /* a cell, and one at a hidden point */
   CHECK(c->lower_dimensional_cells == 5);
   CHECK(c->unsupported_cells == 3 && c->first_unsupported_type == 71);

@@ -86,6 +86,7 @@ typedef struct chi_grid_counts
   double bounds[6];               /**< of the cells that are split; 1, -1 thrice where none is */
   size_t folded_cells; /**< split about their centres, where that too has tetrahedra that overlap */
   size_t collapsed_tetrahedra; /**< left out, because they name a point twice */
+  size_t single_cells; /**< that are one tetrahedron each; if all are, tetrahedron i is cell i */
 } chi_grid_counts;
 
 /**
