@@ -99,19 +99,15 @@ static int count_cell(const chi_grid* grid, size_t index, chi_grid_counts* count
   return CHI_SPLIT_NONE;
 }
 
-static size_t end_of(size_t index, size_t size, size_t count)
-{
-  return count - index * size < size ? count : (index + 1) * size;
-}
-
 static void count_chunks(void* data, size_t begin, size_t end)
 {
   const grid_job* const job = (const grid_job*)data;
   for (size_t c = begin; c < end; ++c)
   {
-    const size_t last = end_of(c, CELLS_A_CHUNK, job->grid->cells);
+    const size_t first = c * CELLS_A_CHUNK;
+    const size_t last = chi_grid_chunk_end(first, CELLS_A_CHUNK, job->grid->cells);
     chi_grid_counts counts = no_counts(job->grid);
-    for (size_t i = c * CELLS_A_CHUNK; i < last; ++i)
+    for (size_t i = first; i < last; ++i)
     {
       if (i % CELLS_A_POLL == 0 && chi_is_cancelled(job->exec))
       {
@@ -180,11 +176,6 @@ static chi_status count_all(grid_job* job, chi_grid_counts* sum)
   return sum->extra_points > UINT32_MAX - (size_t)1 - sum->points ? CHI_ERROR_TOO_LARGE : CHI_OK;
 }
 
-static size_t chunks_of(size_t count, size_t size)
-{
-  return count / size + (count % size != 0);
-}
-
 chi_status chi_grid_count(const chi_exec* exec, const chi_grid_view* view, chi_grid_counts* counts)
 {
   chi_grid grid;
@@ -199,7 +190,7 @@ chi_status chi_grid_count(const chi_exec* exec, const chi_grid_view* view, chi_g
     return status;
   }
   grid_job job = {
-    .exec = exec, .grid = &grid, .chunk_count = chunks_of(grid.cells, CELLS_A_CHUNK)
+    .exec = exec, .grid = &grid, .chunk_count = chi_grid_chunks(grid.cells, CELLS_A_CHUNK)
   };
   job.chunks = (chunk*)chi_alloc(exec, job.chunk_count, sizeof *job.chunks);
   if (!job.chunks)
@@ -217,52 +208,58 @@ chi_status chi_grid_count(const chi_exec* exec, const chi_grid_view* view, chi_g
   return status;
 }
 
+/* Write one cell's tetrahedra from `at`, its centre as extra point `extra`; how many they are. */
+static size_t write_cell(const grid_job* job, size_t index, size_t at, size_t extra)
+{
+  const chi_grid_tetrahedra* const out = job->out;
+  const size_t center_id = job->grid->points + extra;
+  const int way = job->ways[index];
+  chi_grid_cell cell;
+  chi_cell_read(job->grid, index, &cell);
+  if (way == CHI_SPLIT_SIGNED || way == CHI_SPLIT_CENTER)
+  {
+    chi_cell_locate(&cell);
+  }
+  if (way == CHI_SPLIT_CENTER)
+  {
+    chi_cell_find_center(&cell);
+    if (out->points)
+    {
+      memcpy(out->points + 3 * center_id, cell.center, sizeof cell.center);
+    }
+    if (out->extra_cells)
+    {
+      out->extra_cells[extra] = (uint32_t)index;
+    }
+  }
+  uint32_t(*const vertices)[4] = (uint32_t(*)[4])(void*)out->vertices;
+  const size_t count = chi_cell_write(&cell, way, (uint32_t)center_id, vertices + at);
+  for (size_t t = 0; t < count && out->cells; ++t)
+  {
+    out->cells[at + t] = (uint32_t)index;
+  }
+  return count;
+}
+
 static void write_chunks(void* data, size_t begin, size_t end)
 {
   const grid_job* const job = (const grid_job*)data;
-  const chi_grid_tetrahedra* const out = job->out;
-  uint32_t(*const vertices)[4] = (uint32_t(*)[4])(void*)out->vertices;
   for (size_t c = begin; c < end; ++c)
   {
-    const size_t last = end_of(c, CELLS_A_CHUNK, job->grid->cells);
+    const size_t first = c * CELLS_A_CHUNK;
+    const size_t last = chi_grid_chunk_end(first, CELLS_A_CHUNK, job->grid->cells);
     size_t at = job->chunks[c].first_tetrahedron, extra = job->chunks[c].first_extra;
-    for (size_t i = c * CELLS_A_CHUNK; i < last; ++i)
+    for (size_t i = first; i < last; ++i)
     {
-      const int way = job->ways[i];
       if (i % CELLS_A_POLL == 0 && chi_is_cancelled(job->exec))
       {
         return;
       }
-      if (way == CHI_SPLIT_NONE)
+      if (job->ways[i] != CHI_SPLIT_NONE)
       {
-        continue;
+        at += write_cell(job, i, at, extra);
+        extra += job->ways[i] == CHI_SPLIT_CENTER;
       }
-      chi_grid_cell cell;
-      chi_cell_read(job->grid, i, &cell);
-      if (way == CHI_SPLIT_SIGNED || way == CHI_SPLIT_CENTER)
-      {
-        chi_cell_locate(&cell);
-      }
-      if (way == CHI_SPLIT_CENTER)
-      {
-        chi_cell_find_center(&cell);
-        if (out->points)
-        {
-          memcpy(out->points + 3 * (job->grid->points + extra), cell.center, sizeof cell.center);
-        }
-        if (out->extra_cells)
-        {
-          out->extra_cells[extra] = (uint32_t)i;
-        }
-      }
-      const size_t count =
-        chi_cell_write(&cell, way, (uint32_t)(job->grid->points + extra), vertices + at);
-      for (size_t t = 0; t < count && out->cells; ++t)
-      {
-        out->cells[at + t] = (uint32_t)i;
-      }
-      at += count;
-      extra += way == CHI_SPLIT_CENTER;
     }
   }
 }
@@ -272,8 +269,9 @@ static void write_points(void* data, size_t begin, size_t end)
   const grid_job* const job = (const grid_job*)data;
   for (size_t c = begin; c < end && !chi_is_cancelled(job->exec); ++c)
   {
-    const size_t last = end_of(c, POINTS_A_CHUNK, job->grid->points);
-    for (size_t i = c * POINTS_A_CHUNK; i < last; ++i)
+    const size_t first = c * POINTS_A_CHUNK;
+    const size_t last = chi_grid_chunk_end(first, POINTS_A_CHUNK, job->grid->points);
+    for (size_t i = first; i < last; ++i)
     {
       chi_grid_point(job->grid, i, job->out->points + 3 * i);
     }
@@ -295,7 +293,8 @@ static chi_status split(grid_job* job, const chi_grid_counts* told)
   }
   if (status == CHI_OK && job->out->points)
   {
-    status = chi_for(job->exec, chunks_of(job->grid->points, POINTS_A_CHUNK), write_points, job);
+    status =
+      chi_for(job->exec, chi_grid_chunks(job->grid->points, POINTS_A_CHUNK), write_points, job);
   }
   return status;
 }
@@ -321,9 +320,10 @@ chi_status chi_grid_split(const chi_exec* exec, const chi_grid_view* view,
   {
     return status;
   }
-  grid_job job = {
-    .exec = exec, .grid = &grid, .chunk_count = chunks_of(grid.cells, CELLS_A_CHUNK), .out = &out
-  };
+  grid_job job = { .exec = exec,
+    .grid = &grid,
+    .chunk_count = chi_grid_chunks(grid.cells, CELLS_A_CHUNK),
+    .out = &out };
   /* one more than there may be, since none are refused */
   job.chunks = (chunk*)chi_alloc(exec, job.chunk_count + 1, sizeof *job.chunks);
   job.ways = (uint8_t*)chi_alloc(exec, grid.cells + 1, 1);

@@ -74,6 +74,18 @@ static inline void chi_grid_point(const chi_grid* grid, size_t id, double x[3])
   }
 }
 
+/* Fixed chunks of `size` of `count` items: how many, and where the one that begins at `first` ends.
+ */
+static inline size_t chi_grid_chunks(size_t count, size_t size)
+{
+  return count / size + (count % size != 0);
+}
+
+static inline size_t chi_grid_chunk_end(size_t first, size_t size, size_t count)
+{
+  return count - first < size ? count : first + size;
+}
+
 /* What becomes of a cell. */
 enum
 {

@@ -68,7 +68,7 @@ static void find_scalars(void* data, size_t begin, size_t end)
   for (size_t c = begin; c < end && !chi_is_cancelled(job->exec); ++c)
   {
     const size_t first = c * VALUES_A_CHUNK;
-    const size_t last = count - first < VALUES_A_CHUNK ? count : first + VALUES_A_CHUNK;
+    const size_t last = chi_grid_chunk_end(first, VALUES_A_CHUNK, count);
     for (size_t i = first; i < last; ++i)
     {
       job->scalars[i] =
@@ -104,7 +104,7 @@ chi_status chi_grid_scalars(const chi_exec* exec, const chi_grid_view* view,
     .extra_count = extra_count,
     .scalars = scalars };
   const size_t count = values->count + extra_count;
-  const size_t chunks = count / VALUES_A_CHUNK + (count % VALUES_A_CHUNK != 0);
+  const size_t chunks = chi_grid_chunks(count, VALUES_A_CHUNK);
   const chi_status status = chi_for(exec, chunks, find_scalars, &job);
   return status == CHI_OK && job.refused ? CHI_ERROR_INVALID_ARGUMENT : status;
 }

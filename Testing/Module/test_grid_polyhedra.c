@@ -176,20 +176,39 @@ static void a_prism_of_many_sides(void)
   free(m);
 }
 
-/* Turn all points about an axis, far from the origin: corners between others are beside them now.
- */
-static void turn(mesh* m)
+/* Turn all points about an axis, away from the origin: corners between others are beside them now.
+ * `near`: not so far, and rounded to float. */
+static void turn(mesh* m, int near)
 {
-  const double c = cos(0.7), s = sin(0.7);
+  const double c = cos(0.7), s = sin(0.7), far = near ? 50 : 1e6;
   for (size_t i = 0; i < m->points; ++i)
   {
     double* const x = m->x[i];
     const double y = c * x[1] - s * x[2], z = s * x[1] + c * x[2];
-    const double along = c * x[0] - s * y;
-    x[1] = s * x[0] + c * y + 1e6;
-    x[2] = z - 1e6;
-    x[0] = along + 3e6;
+    const double turned[3] = { c * x[0] - s * y + 2 * far, s * x[0] + c * y + far, z - far };
+    for (int a = 0; a < 3; ++a)
+    {
+      x[a] = near ? (double)(float)turned[a] : turned[a];
+    }
   }
+}
+
+static split split_of_floats(const mesh* m)
+{
+  split s;
+  chi_grid_view view = view_of(m);
+  float* const x = malloc(3 * m->points * sizeof *x);
+  for (size_t i = 0; i < 3 * m->points && x; ++i)
+  {
+    x[i] = (float)m->x[i / 3][i % 3];
+  }
+  const void* const doubles = view.points.data;
+  view.points = (chi_vec3_view){ x, m->points, 3 * sizeof *x, CHI_F32 };
+  CHECK(make_split(&s, NULL, &view) == CHI_OK);
+  view.points.data = doubles;
+  drop_view(&view);
+  free(x);
+  return s;
 }
 
 /* A cube beside four of half its size: the large one is a polyhedron whose side has four faces, and
@@ -245,15 +264,17 @@ static void hanging_nodes_conform(void)
     length += 29;
     add_polyhedron(m, count, ids, length, stream);
     shuffle(m, seed);
-    if (seed & 1)
+    if (seed % 3 > 0)
     {
-      turn(m);
+      turn(m, seed % 3 == 2);
     }
-    split s = split_of(m);
+    split s = seed % 3 == 2 ? split_of_floats(m) : split_of(m);
     check_split(&s);
     CHECK(s.counts.folded_cells == 0 && s.counts.extra_points == 0);
-    /* turned points are rounded to 2^-33 or better, over an area of 6 */
-    CHECK_NEAR(s.counts.volume, 1.5, seed & 1 ? 1e-9 : exact);
+    /* turned points are known to 2^-33 in double, 2^-18 in float at their places, along each axis;
+     * the area is 8: 8 sqrt(3) < 14 */
+    static const double tolerance[3] = { 1e-14, 14 * 0x1p-33, 14 * 0x1p-18 };
+    CHECK_NEAR(s.counts.volume, 1.5, tolerance[seed % 3]);
     /* 12 faces of small cubes, 4 of five corners, one side */
     size_t singles;
     id_set* const boundary = boundary_of(&s, &singles);
