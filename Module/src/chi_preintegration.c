@@ -7,9 +7,9 @@
 
 enum
 {
-  FULL_SCALARS = 256, /* entries of the full table each way ... */
-  FULL_DEPTHS = 32,   /* 32 MiB; theory/preintegration.md has the errors of other sizes */
-  FULL_ENTRIES = FULL_SCALARS * FULL_SCALARS * FULL_DEPTHS
+  FULL_SCALARS = 128, /* entries of the full table each way by default: 8 MiB; */
+  FULL_DEPTHS = 32,   /* theory/preintegration.md has the errors of other sizes */
+  MOST_FULL = 1 << 22
 };
 
 /* What the tables were made of. */
@@ -26,7 +26,8 @@ struct chi_preintegration
   float (*entries)[4]; /* color, then depth: [2 x (room + 1)] */
   size_t room;
   float (*psi)[CHI_PSI_SIZE]; /* made once */
-  float (*full)[4];           /* [FULL_ENTRIES] */
+  float (*full)[4];           /* [full_room] */
+  size_t full_room;
   uint64_t version;
 };
 
@@ -60,6 +61,16 @@ static void release_entries(const chi_exec* exec, chi_preintegration* p)
   p->room = 0;
 }
 
+static void release_full(const chi_exec* exec, chi_preintegration* p)
+{
+  if (p->full)
+  {
+    chi_free(exec, p->full, p->full_room, sizeof *p->full);
+  }
+  p->full = NULL;
+  p->full_room = 0;
+}
+
 void chi_preintegration_destroy(const chi_exec* exec, chi_preintegration* p)
 {
   if (!p)
@@ -71,10 +82,7 @@ void chi_preintegration_destroy(const chi_exec* exec, chi_preintegration* p)
   {
     chi_free(exec, p->psi, CHI_PSI_SIZE, sizeof *p->psi);
   }
-  if (p->full)
-  {
-    chi_free(exec, p->full, FULL_ENTRIES, sizeof *p->full);
-  }
+  release_full(exec, p);
   chi_free(exec, p, 1, sizeof *p);
 }
 
@@ -99,6 +107,8 @@ static int is_valid(const sources* s)
     !(t->unit_distance > 0) || !isfinite(t->unit_distance) || p->method < CHI_PREINTEGRATION_AUTO ||
     p->method > CHI_PREINTEGRATION_FULL || p->opacity_convention < CHI_OPACITY_LINEAR ||
     p->opacity_convention > CHI_OPACITY_IMAGE || !(p->longest_segment >= 0) ||
+    p->full_scalars < 4 || p->full_scalars > 512 || p->full_depths < 4 || p->full_depths > 64 ||
+    p->full_scalars * p->full_scalars > MOST_FULL / p->full_depths ||
     !isfinite(p->longest_segment) || !(p->segment_range >= 0) || !isfinite(p->segment_range))
   {
     return 0;
@@ -259,20 +269,24 @@ static chi_status choose_method(const chi_exec* exec, chi_segment_tables* t, con
   return CHI_OK;
 }
 
-static chi_status fill_full(const chi_exec* exec, chi_preintegration* p, chi_segment_tables* t)
+static chi_status fill_full(
+  const chi_exec* exec, chi_preintegration* p, chi_segment_tables* t, const sources* s)
 {
-  if (!p->full)
+  t->full_size[0] = t->full_size[1] = s->params.full_scalars;
+  t->full_size[2] = s->params.full_depths;
+  const size_t n = (size_t)t->count;
+  const size_t size = (size_t)t->full_size[0] * (size_t)t->full_size[1] * (size_t)t->full_size[2];
+  if (size != p->full_room)
   {
-    p->full = (float(*)[4])chi_alloc(exec, FULL_ENTRIES, sizeof *p->full);
+    release_full(exec, p);
+    p->full = (float(*)[4])chi_alloc(exec, size, sizeof *p->full);
     if (!p->full)
     {
       return CHI_ERROR_OUT_OF_MEMORY;
     }
+    p->full_room = size;
   }
-  const size_t n = (size_t)t->count;
   t->full = (const float(*)[4])p->full;
-  t->full_size[0] = t->full_size[1] = FULL_SCALARS;
-  t->full_size[2] = FULL_DEPTHS;
   return chi_fill_full(exec, t->color, p->entries + n + 1, n, t->full_size, p->full);
 }
 
@@ -283,8 +297,13 @@ chi_status chi_preintegration_update(const chi_exec* exec, chi_preintegration* p
   memset(&now, 0, sizeof now);
   chi_preintegration_default_params(&now.params);
   if (!p || !transfer || !CHI_ADOPT(chi_transfer_view, version, &now.transfer, transfer) ||
-    (params && !CHI_ADOPT(chi_preintegration_params, segment_range, &now.params, params)) ||
-    !is_valid(&now))
+    (params && !CHI_ADOPT(chi_preintegration_params, full_depths, &now.params, params)))
+  {
+    return CHI_ERROR_INVALID_ARGUMENT;
+  }
+  now.params.full_scalars = now.params.full_scalars ? now.params.full_scalars : FULL_SCALARS;
+  now.params.full_depths = now.params.full_depths ? now.params.full_depths : FULL_DEPTHS;
+  if (!is_valid(&now))
   {
     return CHI_ERROR_INVALID_ARGUMENT;
   }
@@ -309,7 +328,7 @@ chi_status chi_preintegration_update(const chi_exec* exec, chi_preintegration* p
   chi_status status = t.method == CHI_PREINTEGRATION_AUTO ? choose_method(exec, &t, &now) : CHI_OK;
   if (status == CHI_OK && t.method == CHI_PREINTEGRATION_FULL)
   {
-    status = fill_full(exec, p, &t);
+    status = fill_full(exec, p, &t, &now);
   }
   if (status == CHI_OK)
   {

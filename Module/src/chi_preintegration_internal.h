@@ -9,7 +9,7 @@
 
 #include <math.h>
 
-/* Moreland & Angel's psi to 1e-12: what of the back end's colour passes, before the transmittance
+/* Moreland & Angel's psi to 1e-8: what of the back end's colour passes, before the transmittance
  * is taken off; theory/preintegration.md, Eq. 4. Optical depths may be infinite. */
 double chi_psi(double front, double back);
 

@@ -6,6 +6,7 @@
 /* A transfer function and its tables, for the tests of pre-integration. */
 
 #include "chi_test.h"
+#include "segment_rays.h"
 
 #include <chiaroscuro/chi_preintegration.h>
 
@@ -68,50 +69,16 @@ __attribute__((unused)) static void fill_constant(
   }
 }
 
-__attribute__((unused)) static void fill_random(fixture* f, uint32_t seed)
+/* One of segment_rays.h. */
+__attribute__((unused)) static void fill_kind(fixture* f, int kind)
 {
-  for (size_t i = 0; i < f->transfer.count; ++i)
-  {
-    for (int c = 0; c < 3; ++c)
-    {
-      f->rgb[i][c] = (float)chi_test_random(&seed);
-    }
-    f->opacity[i] = (float)chi_test_random(&seed);
-  }
+  fill_transfer(kind, f->transfer.count, f->rgb, f->opacity);
 }
 
 __attribute__((unused)) static void one(
   const fixture* f, float x0, float x1, float length, float rgba[4])
 {
   CHECK(chi_segment_evaluate(&f->tables, 1, &x0, &x1, &length, rgba) == CHI_OK);
-}
-
-enum
-{
-  SMOOTH,
-  PEAK,
-  BOXES,
-  STEP,
-  RANDOM
-};
-
-__attribute__((unused)) static const char* const kind_name[] = { "smooth", "peak", "boxes", "step",
-  "random" };
-
-__attribute__((unused)) static void fill_kind(fixture* f, int kind)
-{
-  fill_random(f, 9);
-  for (size_t i = 0; i < f->transfer.count && kind != RANDOM; ++i)
-  {
-    const double s = (double)i / (double)(f->transfer.count - 1);
-    f->rgb[i][0] = (float)s;
-    f->rgb[i][1] = (float)(4 * s * (1 - s));
-    f->rgb[i][2] = (float)(1 - s);
-    f->opacity[i] = (float)(kind == SMOOTH ? 0.2 * s * s
-        : kind == PEAK                     ? exp(-0.5 * pow(200 * (s - 0.5), 2))
-        : kind == BOXES                    ? (s > 0.3 && s < 0.32) || (s > 0.6 && s < 0.605)
-                                           : s > 0.5);
-  }
 }
 
 #endif

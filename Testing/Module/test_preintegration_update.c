@@ -5,12 +5,11 @@
  * schedule as they like. */
 
 #include "preintegration_fixture.h"
-#include "segment_reference.h"
 
 static void what_is_not_finite_or_out_of_range_is_refused(void)
 {
   fixture* const f = make_fixture(5, CHI_PREINTEGRATION_NONE);
-  fill_random(f, 1);
+  fill_kind(f, RANDOM);
   update(f);
   const float(*const color)[4] = f->tables.color;
   const uint64_t version = f->tables.version;
@@ -44,6 +43,11 @@ static void what_is_not_finite_or_out_of_range_is_refused(void)
   REFUSED(f->params.opacity_convention = 2);
   REFUSED(f->params.longest_segment = -1);
   REFUSED(f->params.segment_range = NAN);
+  REFUSED(f->params.full_scalars = 3);
+  REFUSED(f->params.full_scalars = 513);
+  REFUSED(f->params.full_depths = 3);
+  REFUSED(f->params.full_depths = 65);
+  REFUSED((f->params.full_scalars = 512, f->params.full_depths = 17)); /* 68 MiB */
   REFUSED(f->params.struct_size = 8);
   REFUSED(f->transfer.struct_size = 8);
 #undef REFUSED
@@ -97,6 +101,9 @@ static void tables_are_kept_where_nothing_changes(void)
   CHANGES(f->params.opacity_convention = CHI_OPACITY_IMAGE);
   CHANGES(f->params.longest_segment = 2);
   CHANGES(f->params.segment_range = 2);
+  CHANGES((f->params.full_scalars = 4, f->params.full_depths = 4));
+  CHECK(f->tables.full_size[0] == 4 && f->tables.full_size[1] == 4 && f->tables.full_size[2] == 4);
+  CHANGES((f->params.full_scalars = 512, f->params.full_depths = 16)); /* 64 MiB */
   CHANGES(f->params.method = CHI_PREINTEGRATION_NONE);
   CHECK(f->tables.full == NULL);
   CHANGES(f->params.method = CHI_PREINTEGRATION_PARTIAL);
@@ -224,8 +231,8 @@ static void any_number_of_entries_has_a_full_table(void)
         }
       }
       worst[kind] = fmax(worst[kind], 255 * most);
-      /* Three times what was measured: noise does not fit into 256 entries. */
-      CHECK(most < (kind == RANDOM ? 30.0 : 0.6) / 255);
+      /* 0.19 and 25 were measured: noise of each entry does not fit into 128 places. */
+      CHECK(most < (kind == RANDOM ? 50.0 : 0.4) / 255);
       free_fixture(f);
     }
   }
@@ -316,7 +323,7 @@ static void hostile_hosts_lose_the_tables_and_nothing_else(void)
     CHECK(status == CHI_OK || status == CHI_ERROR_OUT_OF_MEMORY || status == CHI_ERROR_CANCELLED);
     chi_preintegration_destroy(&exec, p);
     CHECK(host.live == 0);
-    k += cancel ? 40 : 0; /* polls are many */
+    k += cancel ? 20 : 0; /* polls are many */
   }
   CHECK(refused == 9 && cancelled > 8); /* the handle, three tables, five of scratch */
   free_fixture(f);

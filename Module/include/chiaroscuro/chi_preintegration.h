@@ -51,6 +51,9 @@ typedef struct chi_preintegration_params
                                    0 = the transfer function's unit distance (default) */
   double segment_range;       /**< no segment's ends differ by more, scalar units: what AUTO judges
                                    linearity over; 0 = the transfer function's range (default) */
+  int32_t full_scalars; /**< entries of the full table along each scalar axis, 4 ... 512; 0 = 128 */
+  int32_t full_depths; /**< along that of the optical depth, 4 ... 64; 0 = 32. At most 2^22 entries,
+                            64 MiB, together */
 } chi_preintegration_params;
 
 /**
