@@ -20,8 +20,8 @@
 
 enum
 {
-  OCTAVE = 3,       /* rungs of the ladder in an octave of kappa */
-  MOST_RUNGS = 160, /* as many as `dim` and `thick` below ask for, up to MOST_DEPTHS */
+  OCTAVE = 2,       /* rungs of the ladder in an octave of kappa */
+  MOST_RUNGS = 112, /* as many as `dim` and `thick` below ask for, up to MOST_DEPTHS */
   MOST_DEPTHS = 64,
   PANELS = 16, /* of a cell of more entries than that */
   TERMS = 5    /* of a cell and rung: red, green, blue, opacity, transmittance */

@@ -4,8 +4,8 @@
 /*
  * Segments of rays along which the scalar is linear. psi: ways to compute it, in this program's own
  * kernel, with the widest vectors of this machine. Segments: run time against the error of whole
- * rays, by method and size of the full table; nanoseconds are of one segment. Tables: what a new
- * transfer function costs. Prints CSV.
+ * rays, by method and size of the full table. Tables: what a new transfer function costs. Prints
+ * CSV.
  */
 
 #include "chi_bench.h"
@@ -140,7 +140,7 @@ static void bench_psi(const float* table)
   {
     const char* name;
     psi_method method;
-  } methods[] = { { "quadrature", psi_quadrature }, { "table_128x128", psi_table },
+  } methods[] = { { "chi_quadrature", psi_quadrature }, { "table_128x128", psi_table },
     { "closed_form", psi_closed } };
   uint32_t seed = 3;
   for (int k = 0; k < 5; ++k)
@@ -169,11 +169,10 @@ static void bench_psi(const float* table)
         largest = fmax(largest, error);
         mean += error / COUNT;
       }
-      const double ns = best / COUNT;
-      printf("preintegration,psi,%s,tau_to_%g,%d,1,%.3g,%.3g,max\n", methods[m].name, most[k],
-        COUNT, ns, largest);
-      printf("preintegration,psi,%s,tau_to_%g,%d,1,%.3g,%.3g,mean\n", methods[m].name, most[k],
-        COUNT, ns, mean);
+      printf("preintegration,psi_tau_to_%g,%s,,%d,1,%.0f,%.3g,max\n", most[k], methods[m].name,
+        COUNT, best, largest);
+      printf("preintegration,psi_tau_to_%g,%s,,%d,1,%.0f,%.3g,mean\n", most[k], methods[m].name,
+        COUNT, best, mean);
     }
   }
 }
@@ -204,7 +203,7 @@ static void make_segments(bench* b, double cell)
 static void measure(bench* b, const chi_exec* exec, int kind, double times, int method,
   const int32_t size[2], double cell)
 {
-  static const char* const name[] = { "", "none", "partial", "full" };
+  static const char* const name[] = { "", "chi_none", "chi_partial", "chi_full" };
   const chi_preintegration_params params = {
     .struct_size = sizeof params, .method = method, .full_scalars = size[0], .full_depths = size[1]
   };
@@ -227,8 +226,8 @@ static void measure(bench* b, const chi_exec* exec, int kind, double times, int 
   }
   for (int k = 0; k < 2; ++k)
   {
-    printf("preintegration,%s_x%g,%s,%s,%d,1,%.3g,%.3g,%s\n", kind_name[kind], times, name[method],
-      parameter, COUNT, best / COUNT, error[k], k ? "ray_max_255" : "ray_mean_255");
+    printf("preintegration,%s_x%g,%s,%s,%d,1,%.0f,%.3g,%s\n", kind_name[kind], times, name[method],
+      parameter, COUNT, best, error[k], k ? "ray_max_255" : "ray_mean_255");
   }
 }
 
@@ -260,7 +259,7 @@ static void bench_segments(bench* b, const chi_exec* exec)
 
 static void bench_tables(bench* b)
 {
-  static const int32_t sizes[][2] = { { 128, 16 }, { 256, 16 }, { 256, 32 }, { 512, 16 } };
+  static const int32_t sizes[][2] = { { 128, 16 }, { 128, 32 }, { 256, 32 }, { 512, 16 } };
   for (int kind = SMOOTH; kind <= RANDOM; ++kind)
   {
     fill_transfer(kind, ENTRIES, b->rgb, b->opacity);
@@ -283,8 +282,8 @@ static void bench_tables(bench* b)
             chi_preintegration_update(&exec, b->handle, &b->transfer, &params) == CHI_OK, "update");
           best = fmin(best, chi_bench_now() - start);
         }
-        printf("preintegration,table_%s,full,%dx%dx%d,%d,%d,%.0f,,\n", kind_name[kind], sizes[k][0],
-          sizes[k][0], sizes[k][1], ENTRIES, threads, best);
+        printf("preintegration,table_%s,chi_full,%dx%dx%d,%d,%d,%.0f,,\n", kind_name[kind],
+          sizes[k][0], sizes[k][0], sizes[k][1], ENTRIES, threads, best);
       }
     }
   }
