@@ -557,6 +557,7 @@ static chi_tet_scene make_scene(const chi_tet* tet, const chi_tet_frame* f)
       (float)((double)(tet->tables.count - 1) / (tet->tables.range[1] - tet->tables.range[0])),
     .end = (float)(tet->tables.count - 1),
     .tables = &tet->tables,
+    .extinction = (const float*)tet->values.extinction.data,
     .maximum = f->params->blend == CHI_TET_BLEND_MAXIMUM,
     .maximum_of_unit = (float)tet->stats.unit_distance,
     .image_opacity = f->params->opacity_convention == CHI_OPACITY_IMAGE };

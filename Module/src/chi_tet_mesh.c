@@ -159,6 +159,7 @@ chi_status chi_tet_values_choose(const chi_exec* exec, chi_tet_values* values,
   const size_t entries = (size_t)tables->count, words = (mesh->counts.tetrahedra + 31) / 32;
   const size_t had = values->visible.bytes;
   if (!chi_buffer_reserve(exec, &values->opaque, entries + 1, sizeof(uint32_t)) ||
+    !chi_buffer_reserve(exec, &values->extinction, entries + 1, sizeof(float)) ||
     !chi_buffer_reserve(exec, &values->visible, words + 1, sizeof(uint32_t)))
   {
     return CHI_ERROR_OUT_OF_MEMORY;
@@ -168,6 +169,10 @@ chi_status chi_tet_values_choose(const chi_exec* exec, chi_tet_values* values,
   for (size_t i = 0; i < entries; ++i)
   {
     opaque[i + 1] = opaque[i] + (tables->color[i][3] > 0);
+  }
+  for (size_t i = 0; i <= entries; ++i)
+  {
+    ((float*)values->extinction.data)[i] = tables->color[i][3];
   }
   /* a table without transparent entries leaves all that is finite, as the last one may have done */
   const int any = skip_transparent && opaque[entries] < entries;
@@ -199,4 +204,5 @@ void chi_tet_values_free(const chi_exec* exec, chi_tet_values* values)
   chi_buffer_free(exec, &values->opacities);
   chi_buffer_free(exec, &values->visible);
   chi_buffer_free(exec, &values->opaque);
+  chi_buffer_free(exec, &values->extinction);
 }

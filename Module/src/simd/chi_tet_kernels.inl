@@ -160,6 +160,112 @@ CHI_INLINE void pick(tile_state* t, size_t i, float transmittance)
   }
 }
 
+#if defined(CHI_VEC_AVX2) || defined(CHI_VEC_AVX512)
+/* Numbers of pairs, and pairs of numbers: a[0] b[0] a[1] b[1] ... */
+CHI_INLINE void split_pairs(const float* pairs, vf* first, vf* second)
+{
+  const vf a = vf_load(pairs), b = vf_load(pairs + CHI_LANES);
+#  if defined(CHI_VEC_AVX512)
+  const __m512i even =
+    _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+  const __m512i odd = _mm512_or_si512(even, _mm512_set1_epi32(1));
+  *first = (vf)_mm512_permutex2var_ps((__m512)a, even, (__m512)b);
+  *second = (vf)_mm512_permutex2var_ps((__m512)a, odd, (__m512)b);
+#  else
+  const __m256 x = _mm256_permute2f128_ps((__m256)a, (__m256)b, 0x20);
+  const __m256 y = _mm256_permute2f128_ps((__m256)a, (__m256)b, 0x31);
+  *first = (vf)_mm256_shuffle_ps(x, y, 0x88);
+  *second = (vf)_mm256_shuffle_ps(x, y, 0xdd);
+#  endif
+}
+
+CHI_INLINE void join_pairs(vf first, vf second, float* pairs)
+{
+#  if defined(CHI_VEC_AVX512)
+  const __m512i low = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+  const __m512i high = _mm512_add_epi32(low, _mm512_set1_epi32(8));
+  vf_store(pairs, (vf)_mm512_permutex2var_ps((__m512)first, low, (__m512)second));
+  vf_store(pairs + CHI_LANES, (vf)_mm512_permutex2var_ps((__m512)first, high, (__m512)second));
+#  else
+  const __m256 x = _mm256_unpacklo_ps((__m256)first, (__m256)second);
+  const __m256 y = _mm256_unpackhi_ps((__m256)first, (__m256)second);
+  vf_store(pairs, (vf)_mm256_permute2f128_ps(x, y, 0x20));
+  vf_store(pairs + CHI_LANES, (vf)_mm256_permute2f128_ps(x, y, 0x31));
+#  endif
+}
+
+/*
+ * What segment_partial computes, arranged for fragments that end in single pixels: only extinctions
+ * are looked up before the weights are known; an entry of the table and the next are loaded as one
+ * and multiplied by both their weights, colour by colour, on their way to the pixel.
+ */
+CHI_INLINE void consume_partial(tile_state* t)
+{
+  const chi_tet_scene* const s = t->scene;
+  fragments* const f = &t->f;
+  const size_t count = f->count;
+  int32_t at[2][FRAGMENTS + CHI_LANES];
+  float pairs[2][2 * (FRAGMENTS + CHI_LANES)]; /* extinctions; then weights */
+  for (size_t i = 0; i < count; i += CHI_LANES)
+  {
+    for (int e = 0; e < 2; ++e)
+    {
+      float* const x = (e ? f->x1 : f->x0) + i;
+      const vf place = vf_load(x);
+      const vi index = vf_int(place);
+      vi_store(at[e] + i, index);
+      vf_store(x, place - vi_float(index));
+    }
+  }
+  for (size_t i = 0; i < count; ++i)
+  {
+    memcpy(pairs[0] + 2 * i, s->extinction + at[0][i], 2 * sizeof(float));
+    memcpy(pairs[1] + 2 * i, s->extinction + at[1][i], 2 * sizeof(float));
+  }
+  for (size_t i = 0; i < count; i += CHI_LANES)
+  {
+    const vf length = vf_load(f->length + i);
+    vf part[2], tau[2];
+    for (int e = 0; e < 2; ++e)
+    {
+      vf here, next;
+      split_pairs(pairs[e] + 2 * i, &here, &next);
+      part[e] = vf_load((e ? f->x1 : f->x0) + i);
+      tau[e] = (here + part[e] * (next - here)) * length;
+    }
+    const vf psi = segment_psi(tau[0], tau[1]);
+    const vf through = vf_exp_neg((tau[0] + tau[1]) * -0.5f);
+    const vf weight[2] = { 1.0f - psi, psi - through };
+    for (int e = 0; e < 2; ++e)
+    {
+      join_pairs(weight[e] * (1.0f - part[e]), weight[e] * part[e], pairs[e] + 2 * i);
+    }
+    vf_store(f->length + i, through);
+  }
+  const float(*const color)[4] = s->tables->color;
+  const __m256i spread = _mm256_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1);
+  for (size_t i = 0; i < count; ++i)
+  {
+    __m256 sum = _mm256_setzero_ps();
+    for (int e = 0; e < 2; ++e)
+    {
+      double both;
+      memcpy(&both, pairs[e] + 2 * i, sizeof both);
+      const __m256 w = _mm256_permutevar_ps((__m256)_mm256_set1_pd(both), spread);
+      sum = _mm256_fmadd_ps(_mm256_loadu_ps(color[at[e][i]]), w, sum);
+    }
+    const __m128 source = _mm_blend_ps(
+      _mm_add_ps(_mm256_castps256_ps128(sum), _mm256_extractf128_ps(sum, 1)),
+      _mm_set1_ps(f->length[i]), 8);
+    float* const pixel = t->target->rgba + 4 * f->pixel[i];
+    const __m128 d = _mm_load_ps(pixel);
+    const __m128 before = _mm_shuffle_ps(d, d, 0xff);
+    _mm_store_ps(
+      pixel, _mm_fmadd_ps(before, source, _mm_blend_ps(d, _mm_setzero_ps(), 8)));
+  }
+}
+#endif
+
 CHI_INLINE void consume(tile_state* t, const variant u)
 {
   const chi_segment_tables* const tables = t->scene->tables;
@@ -177,6 +283,14 @@ CHI_INLINE void consume(tile_state* t, const variant u)
     f->count = 0;
     return;
   }
+#if defined(CHI_VEC_AVX2) || defined(CHI_VEC_AVX512)
+  if (u.method == CHI_PREINTEGRATION_PARTIAL && !u.separate && !u.picking)
+  {
+    consume_partial(t);
+    f->count = 0;
+    return;
+  }
+#endif
   float* const rgba = t->target->rgba;
   for (size_t i = 0; i < f->count; i += CHI_LANES)
   {

@@ -325,9 +325,8 @@ CHI_INLINE void set_up(batch* r, int o, const chi_tet_scene* scene, int32_t tile
     n[0][k] = -(n[1][k] + n[2][k] + n[3][k]);
   }
   const vd det = e1[0] * n[1][0] + e1[1] * n[1][1] + e1[2] * n[1][2];
-  const vl negative = det < 0, flat = ~(vd_abs(det) > 0);
+  const vl mirrored = det < 0, flat = ~(vd_abs(det) > 0);
   const vd inverse = vd_reciprocal(vd_select(flat, vd_set(1), det));
-  const vd sign = vd_select(negative, vd_set(-1), vd_set(1));
   const vd z0 = z[0];
 
   /* the first pixel's ray, and from where it is at depth z0 to the first vertex */
@@ -341,13 +340,13 @@ CHI_INLINE void set_up(batch* r, int o, const chi_tet_scene* scene, int32_t tile
   vhi front = { 0 };
   for (int i = 0; i < 4; ++i)
   {
-    const vd m[3] = { n[i][0] * sign, n[i][1] * sign, n[i][2] * sign };
-    const vd offset = i == 0 ? vd_abs(det) : vd_set(0); /* face 0 passes through vertex 1 */
+    const vd* const m = n[i]; /* inwards if det > 0; what is made of it does not depend on that */
+    const vd offset = i == 0 ? det : vd_set(0); /* face 0 passes through vertex 1 */
     vd q = parallel ? m[2] : m[0] * x[0] + m[1] * y[0] + m[2] * z[0] - offset;
     /* 1e-12: such a face is delicate in any case; only infinities are to be kept out */
     const vd least = (vd_abs(m[0]) + vd_abs(m[1]) + vd_abs(m[2])) * zs * 1e-12 + 1e-300;
     q = vd_select(vd_abs(q) > least, q, vd_select(q < 0, -least, least));
-    front |= __builtin_convertvector(q > 0, vhi) & (1 << i);
+    front |= __builtin_convertvector((q > 0) ^ mirrored, vhi) & (1 << i);
     const vd scale = vd_reciprocal(q);
     const vh a = vd_float(-m[0] * step[0] * zs * scale), b = vd_float(-m[1] * step[1] * zs * scale);
     const vh c = vd_float((m[0] * to[0] + m[1] * to[1] - offset) * scale);
