@@ -93,6 +93,11 @@ static void find_ranges(void* data, size_t begin, size_t end)
         ranges[t] = CHI_TET_OUTSIDE;
         continue;
       }
+      if ((r & 0xffff) == r >> 16) /* most lie in one tile */
+      {
+        ++count[(r >> 24) * (uint32_t)it->bins->tiles[0] + (r & 255)];
+        continue;
+      }
       for (uint32_t y = r >> 8 & 255; y <= r >> 24; ++y)
       {
         for (uint32_t x = r & 255; x <= (r >> 16 & 255); ++x)
@@ -124,6 +129,12 @@ static void scatter(void* data, size_t begin, size_t end)
         continue;
       }
       const uint64_t entry = (uint64_t)keys[t] << 32 | t;
+      if ((r & 0xffff) == r >> 16)
+      {
+        const size_t tile = (r >> 24) * (uint32_t)it->bins->tiles[0] + (r & 255);
+        list[starts[tile] + next[tile]++] = entry;
+        continue;
+      }
       for (uint32_t y = r >> 8 & 255; y <= r >> 24; ++y)
       {
         for (uint32_t x = r & 255; x <= (r >> 16 & 255); ++x)

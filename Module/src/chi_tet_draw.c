@@ -189,7 +189,6 @@ chi_status chi_tet_draw(const chi_exec* exec, chi_tet_bins* bins, const chi_tet_
     tally->tetrahedra += each[i].tetrahedra;
     tally->flat += each[i].flat;
     tally->delicate += each[i].delicate;
-    tally->candidates += each[i].candidates;
     tally->fragments += each[i].fragments;
     tally->saturated += each[i].saturated;
   }

@@ -39,9 +39,9 @@ typedef struct chi_tet_values
 {
   chi_buffer scalars, opacities; /* float: of points, or of the grid's cells */
   int is_cell_data, separate;
-  chi_buffer visible; /* uint32, one bit a tetrahedron */
+  chi_buffer visible;    /* uint32, one bit a tetrahedron */
   chi_buffer extinction; /* float [entries + 1] of the table, one after the other */
-  chi_buffer opaque;  /* uint32: entries of the table, before each, that are not transparent */
+  chi_buffer opaque;     /* uint32: entries of the table, before each, that are not transparent */
   int64_t non_finite, transparent;
   int all_opaque;   /* `visible` holds all that is finite */
   uint64_t version; /* of `visible`: grows where it changes */

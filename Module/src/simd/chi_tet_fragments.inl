@@ -6,16 +6,7 @@
 
 enum
 {
-  CANDIDATES = 256, /* pixels at a time: all buffers together stay in the first cache */
-  FRAGMENTS = 640
-};
-
-/* A candidate: pixel of the tile, lane of the batch, pixels from the first of its bounding box. */
-enum
-{
-  LANE_SHIFT = 12,
-  DX_SHIFT = 16,
-  DY_SHIFT = 22
+  FRAGMENTS = 512 /* at a time: all buffers together stay in the first cache */
 };
 
 typedef struct fragments
@@ -44,46 +35,20 @@ typedef struct tile_state
   double left, bottom; /* of the first pixel's centre, at depth 1 or world units */
   int32_t x, y;        /* first pixel */
   batch r;
-  face faces[4];        /* of the delicate tetrahedron whose candidates come last */
-  int delicate;         /* its lane; -1: they are another's */
-  size_t delicate_from; /* its first candidate */
-  float exact_entry[CANDIDATES + CHI_TET_TILE + 2 * CHI_LANES]; /* of delicate candidates */
-  float exact_exit[CANDIDATES + CHI_TET_TILE + 2 * CHI_LANES];
-  float exact_length[CANDIDATES + CHI_TET_TILE + 2 * CHI_LANES];
-  size_t candidate_count;
-  int32_t candidate[CANDIDATES + CHI_TET_TILE + 2 * CHI_LANES];
+  face faces[4];       /* of the last delicate tetrahedron */
+  uint64_t lanes[256]; /* of mask_of; where it has one */
   fragments f;
   float plane[CHI_TET_CUTS][4]; /* cuts of this tile: m = p0 dx + p1 dy + p2 against p3 */
   chi_tet_target* target;
   chi_tet_tally* tally;
 } tile_state;
 
-/* table[index], index in 0 ... CHI_LANES - 1 */
-CHI_INLINE vf look_up(const float table[CHI_LANES], vi index)
-{
-#if defined(CHI_VEC_AVX512)
-  return (vf)_mm512_permutexvar_ps((__m512i)index, _mm512_loadu_ps(table));
-#elif defined(CHI_VEC_AVX2)
-  return (vf)_mm256_permutevar8x32_ps(_mm256_loadu_ps(table), (__m256i)index);
-#else
-  return __builtin_shuffle(vf_load(table), index);
-#endif
-}
-
-CHI_INLINE vi look_up_bits(const int32_t table[CHI_LANES], vi index)
-{
-  vf v;
-  memcpy(&v, table, sizeof v);
-  float copy[CHI_LANES];
-  memcpy(copy, &v, sizeof v);
-  return (vi)look_up(copy, index);
-}
-
 /* Lanes that are set in the mask, one after the other; returns nothing, the caller counts. */
 #if defined(CHI_VEC_AVX512)
 typedef __mmask16 lane_mask;
-CHI_INLINE lane_mask mask_of(vi mask)
+CHI_INLINE lane_mask mask_of(const uint64_t* table, vi mask)
 {
+  (void)table;
   return _mm512_movepi32_mask((__m512i)mask);
 }
 CHI_INLINE void compress(float* out, lane_mask mask, vf v)
@@ -94,10 +59,31 @@ CHI_INLINE size_t lanes_of(lane_mask mask)
 {
   return (size_t)__builtin_popcount(mask);
 }
+#elif defined(CHI_VEC_AVX2)
+typedef struct lane_mask
+{
+  __m256i lanes; /* which lane comes first, second, ... */
+  int bits;
+} lane_mask;
+/* By a table of the 256 masks: the lanes that each selects, a byte each. */
+CHI_INLINE lane_mask mask_of(const uint64_t* table, vi mask)
+{
+  const int bits = _mm256_movemask_ps((__m256)mask);
+  return (lane_mask){ _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i*)(table + bits))), bits };
+}
+CHI_INLINE void compress(float* out, lane_mask mask, vf v)
+{
+  _mm256_storeu_ps(out, _mm256_permutevar8x32_ps((__m256)v, mask.lanes));
+}
+CHI_INLINE size_t lanes_of(lane_mask mask)
+{
+  return (size_t)__builtin_popcount((unsigned)mask.bits);
+}
 #else
 typedef vi lane_mask;
-CHI_INLINE lane_mask mask_of(vi mask)
+CHI_INLINE lane_mask mask_of(const uint64_t* table, vi mask)
 {
+  (void)table;
   return mask;
 }
 CHI_INLINE void compress(float* out, lane_mask mask, vf v)
@@ -216,24 +202,23 @@ static __attribute__((noinline)) void make_faces(tile_state* t, int lane)
   }
 }
 
-/* Candidates `first` ... of one delicate tetrahedron: from z0 to the entry, and the length inside,
+/* Pixels of one delicate tetrahedron: from z0 to the entry and to the exit, and the length inside,
  * along z; in double. Lengths are not positive where the ray does not meet it. */
-static __attribute__((noinline)) void cross_delicate(tile_state* t, size_t first)
+static __attribute__((noinline)) void cross_delicate(
+  const tile_state* t, float from, const int32_t pixel[CHI_LANES], float out[3][CHI_LANES])
 {
   const chi_tet_scene* const s = t->scene;
-  const face* const faces = t->faces;
-  const vd infinity = vd_set(INFINITY), z0 = vd_set((double)t->r.z0[t->delicate]);
-  for (size_t i = first; i < t->candidate_count; i += HALF_LANES)
+  const vd infinity = vd_set(INFINITY), z0 = vd_set((double)from);
+  for (int i = 0; i < CHI_LANES; i += HALF_LANES)
   {
     vhi p;
-    memcpy(&p, t->candidate + i, sizeof p);
+    memcpy(&p, pixel + i, sizeof p);
     const vd x = t->left + s->step[0] * __builtin_convertvector(p & (CHI_TET_TILE - 1), vd);
-    const vd y = t->bottom +
-      s->step[1] * __builtin_convertvector((p >> CHI_TET_TILE_SHIFT) & (CHI_TET_TILE - 1), vd);
+    const vd y = t->bottom + s->step[1] * __builtin_convertvector(p >> CHI_TET_TILE_SHIFT, vd);
     vd low = vd_set(s->near_depth), high = infinity;
     for (int k = 0; k < 4; ++k)
     {
-      const face* const of = faces + k;
+      const face* const of = t->faces + k;
       /* n . (a - p(z)) = along (za - z) + across: zero where the ray meets the plane */
       const double zs = s->parallel ? 1 : of->at[2];
       const vd along = s->parallel ? vd_set(of->n[2]) : of->n[0] * x + of->n[1] * y + of->n[2];
@@ -243,14 +228,14 @@ static __attribute__((noinline)) void cross_delicate(tile_state* t, size_t first
       low = vd_select(enters, vd_max(z, low), low);
       high = vd_select(leaves, vd_min(z, high), high);
       /* within the plane: on one side of it, and of the two tetrahedra at it in one alone */
-      const vl out =
+      const vl outside =
         ~(enters | leaves) & ((across * of->sign > 0) | ((across == 0) & (vd_set(of->sign) < 0)));
-      high = vd_select(out, -infinity, high);
+      high = vd_select(outside, -infinity, high);
     }
     const vl meets = (low > -infinity) & (high < infinity);
-    vh_store(t->exact_entry + i, vd_float(low - z0));
-    vh_store(t->exact_exit + i, vd_float(high - z0));
-    vh_store(t->exact_length + i, vd_float(vd_select(meets, high - low, vd_set(-1))));
+    vh_store(out[0] + i, vd_float(low - z0));
+    vh_store(out[1] + i, vd_float(high - z0));
+    vh_store(out[2] + i, vd_float(vd_select(meets, high - low, vd_set(-1))));
   }
 }
 
@@ -265,106 +250,109 @@ CHI_INLINE vf reciprocal(vf a)
 #endif
 }
 
-/* The ray is inside of the face's half-space where w is larger, if it looks at the eye, or smaller.
- */
-CHI_INLINE void narrow(vi front, int bit, vf w, vf* low, vf* high)
+#if defined(CHI_VEC_AVX512)
+typedef __mmask16 face_mask;
+#else
+typedef vi face_mask;
+#endif
+
+/* All lanes, if the face looks at the eye. */
+CHI_INLINE face_mask mask_of_face(int32_t front, int k)
 {
 #if defined(CHI_VEC_AVX512)
-  const __mmask16 enters = _mm512_test_epi32_mask((__m512i)front, _mm512_set1_epi32(1 << bit));
+  return (face_mask) - ((front >> k) & 1);
+#else
+  return vi_set(-((front >> k) & 1));
+#endif
+}
+
+/* The ray is inside of the face's half-space where w is larger, if it looks at the eye, or smaller.
+ */
+CHI_INLINE void narrow(face_mask enters, vf w, vf* low, vf* high)
+{
+#if defined(CHI_VEC_AVX512)
   *low = (vf)_mm512_mask_max_ps((__m512)*low, enters, (__m512)*low, (__m512)w);
   *high = (vf)_mm512_mask_min_ps((__m512)*high, _knot_mask16(enters), (__m512)*high, (__m512)w);
 #else
-  const vi enters = -((front >> bit) & 1);
   *low = vf_select(enters, vf_max(*low, w), *low);
   *high = vf_select(enters, *high, vf_min(*high, w));
 #endif
 }
 
-/* Fragments of all candidates. */
-CHI_INLINE void evaluate(
-  tile_state* t, const int parallel, const int separate, const int cuts, const int picking)
+/* Fragments of one tetrahedron at pixels of the tile, x and y from the first of its box; those of
+ * lanes that are not set in `wanted` are none. */
+CHI_INLINE void evaluate(tile_state* t, int lane, vf x, vf y, vi pixel, vi wanted,
+  const int parallel, const int separate, const int cuts, const int picking)
 {
   const batch* const r = &t->r;
   fragments* const f = &t->f;
-  for (size_t i = 0; i < t->candidate_count; i += CHI_LANES)
+  const int32_t front = r->front[lane];
+  const vf z0 = vf_set(r->z0[lane]);
+  vf low = vf_set(-3e38f), high = vf_set(3e38f);
+  for (int k = 0; k < 4; ++k)
   {
-    const vi p = vi_load(t->candidate + i);
-    const vi lane = (p >> LANE_SHIFT) & (CHI_LANES - 1);
-    const vf x = vi_float((p >> DX_SHIFT) & (CHI_TET_TILE - 1)), y = vi_float(p >> DY_SHIFT);
-    const vi front = look_up_bits(r->front, lane);
-    const vf z0 = look_up(r->z0, lane);
-    vf low = vf_set(-3e38f), high = vf_set(3e38f);
-    for (int k = 0; k < 4; ++k)
-    {
-      const vf w =
-        x * look_up(r->a[k], lane) + (y * look_up(r->b[k], lane) + look_up(r->c[k], lane));
-      narrow(front, k, w, &low, &high);
-    }
-    vf from = vf_set(-3e38f), to = vf_set(3e38f);
+    const vf w = x * r->a[k][lane] + (y * r->b[k][lane] + r->c[k][lane]);
+    narrow(mask_of_face(front, k), w, &low, &high);
+  }
+  vf from = vf_set(-3e38f), to = vf_set(3e38f);
+  if (cuts)
+  {
+    cut(t, pixel, z0, parallel, &from, &to);
+    low = vf_max(low, from);
+    high = vf_min(high, to);
+  }
+  /* z - z0 = z0 w / (1 - w); what lies between is z0 dw / ((1 - low)(1 - high)) */
+  const vf dw = high - low;
+  vf entry = low, dz = dw;
+  vi inside = wanted & (dw > 0.0f);
+  if (!parallel)
+  {
+    const vf a0 = 1.0f - low, a1 = 1.0f - high;
+    const vf zr = z0 * reciprocal(a0 * a1);
+    dz = zr * dw;
+    entry = zr * a1 * low;
+  }
+  if (front & DELICATE_FLAG)
+  {
+    int32_t at[CHI_LANES];
+    float exact[3][CHI_LANES];
+    vi_store(at, pixel);
+    cross_delicate(t, r->z0[lane], at, exact);
+    entry = vf_load(exact[0]);
+    dz = vf_load(exact[2]);
     if (cuts)
     {
-      cut(t, p & (CHI_TET_TILE_PIXELS - 1), z0, parallel, &from, &to);
-      low = vf_max(low, from);
-      high = vf_min(high, to);
+      const vf end = vf_load(exact[1]);
+      const vf lower = parallel ? from : z0 / (1.0f - from) - z0;
+      const vf upper = parallel ? to : z0 / (1.0f - to) - z0;
+      const vi later = lower > entry, sooner = upper < end;
+      const vf start = vf_select(later, lower, entry), stop = vf_select(sooner, upper, end);
+      dz = vf_select((later | sooner) & (dz > 0.0f), stop - start, dz);
+      entry = start;
     }
-    /* z - z0 = z0 w / (1 - w); what lies between is z0 dw / ((1 - low)(1 - high)) */
-    const vf dw = high - low;
-    vf entry = low, dz = dw;
-    vi inside = dw > 0.0f;
-    if (!parallel)
-    {
-      const vf a0 = 1.0f - low, a1 = 1.0f - high;
-      const vf zr = z0 * reciprocal(a0 * a1);
-      dz = zr * dw;
-      entry = zr * a1 * low;
-    }
-    const vi delicate = (front & DELICATE_FLAG) != 0;
-    if (vi_any(delicate))
-    {
-      vf begin = vf_load(t->exact_entry + i), length = vf_load(t->exact_length + i);
-      if (cuts)
-      {
-        const vf end = vf_load(t->exact_exit + i);
-        const vf lower = parallel ? from : z0 / (1.0f - from) - z0;
-        const vf upper = parallel ? to : z0 / (1.0f - to) - z0;
-        const vi later = lower > begin, sooner = upper < end;
-        const vf start = vf_select(later, lower, begin), stop = vf_select(sooner, upper, end);
-        length = vf_select((later | sooner) & (length > 0.0f), stop - start, length);
-        begin = start;
-      }
-      entry = vf_select(delicate, begin, entry);
-      dz = vf_select(delicate, length, dz);
-      inside = (delicate & (length > 0.0f)) | (~delicate & inside);
-    }
-    const size_t left = t->candidate_count - i;
-    if (left < CHI_LANES)
-    {
-      inside &= vf_iota() < (float)left;
-    }
-    const lane_mask mask = mask_of(inside);
-    const size_t n = f->count;
-    compress(f->length + n, mask, dz);
-    compress((float*)f->pixel + n, mask, (vf)(p & (CHI_TET_TILE_PIXELS - 1)));
-    for (int q = 0; q <= separate; ++q)
-    {
-      const vf at =
-        x * look_up(r->ax[q], lane) + (y * look_up(r->ay[q], lane) + look_up(r->ac[q], lane));
-      const vf slope = parallel
-        ? look_up(r->bc[q], lane)
-        : x * look_up(r->bx[q], lane) + (y * look_up(r->by[q], lane) + look_up(r->bc[q], lane));
-      const vf least = look_up(r->low[q], lane), most = look_up(r->high[q], lane);
-      const vf s0 = at + slope * entry, s1 = s0 + slope * dz;
-      compress((q ? f->y0 : f->x0) + n, mask, vf_min(vf_max(s0, least), most));
-      compress((q ? f->y1 : f->x1) + n, mask, vf_min(vf_max(s1, least), most));
-    }
-    if (picking)
-    {
-      compress(f->depth + n, mask, z0 + entry);
-      float ids[CHI_LANES];
-      memcpy(ids, r->id, sizeof ids);
-      compress((float*)f->id + n, mask, look_up(ids, lane));
-    }
-    f->count += lanes_of(mask);
+    inside = wanted & (dz > 0.0f);
   }
-  t->candidate_count = 0;
+  const lane_mask mask = mask_of(t->lanes, inside);
+  const size_t n = f->count;
+  compress(f->length + n, mask, dz);
+  compress((float*)f->pixel + n, mask, (vf)pixel);
+  for (int q = 0; q <= separate; ++q)
+  {
+    const vf at = x * r->ax[q][lane] + (y * r->ay[q][lane] + r->ac[q][lane]);
+    const vf slope = parallel ? vf_set(r->bc[q][lane])
+                              : x * r->bx[q][lane] + (y * r->by[q][lane] + r->bc[q][lane]);
+    const vf least = vf_set(r->low[q][lane]), most = vf_set(r->high[q][lane]);
+    const vf s0 = at + slope * entry, s1 = s0 + slope * dz;
+    compress((q ? f->y0 : f->x0) + n, mask, vf_min(vf_max(s0, least), most));
+    compress((q ? f->y1 : f->x1) + n, mask, vf_min(vf_max(s1, least), most));
+  }
+  if (picking)
+  {
+    compress(f->depth + n, mask, z0 + entry);
+    for (int i = 0; i < CHI_LANES; ++i)
+    {
+      f->id[n + (size_t)i] = r->id[lane];
+    }
+  }
+  f->count += lanes_of(mask);
 }

@@ -166,8 +166,7 @@ CHI_INLINE void split_pairs(const float* pairs, vf* first, vf* second)
 {
   const vf a = vf_load(pairs), b = vf_load(pairs + CHI_LANES);
 #  if defined(CHI_VEC_AVX512)
-  const __m512i even =
-    _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+  const __m512i even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
   const __m512i odd = _mm512_or_si512(even, _mm512_set1_epi32(1));
   *first = (vf)_mm512_permutex2var_ps((__m512)a, even, (__m512)b);
   *second = (vf)_mm512_permutex2var_ps((__m512)a, odd, (__m512)b);
@@ -254,14 +253,13 @@ CHI_INLINE void consume_partial(tile_state* t)
       const __m256 w = _mm256_permutevar_ps((__m256)_mm256_set1_pd(both), spread);
       sum = _mm256_fmadd_ps(_mm256_loadu_ps(color[at[e][i]]), w, sum);
     }
-    const __m128 source = _mm_blend_ps(
-      _mm_add_ps(_mm256_castps256_ps128(sum), _mm256_extractf128_ps(sum, 1)),
-      _mm_set1_ps(f->length[i]), 8);
+    const __m128 source =
+      _mm_blend_ps(_mm_add_ps(_mm256_castps256_ps128(sum), _mm256_extractf128_ps(sum, 1)),
+        _mm_set1_ps(f->length[i]), 8);
     float* const pixel = t->target->rgba + 4 * f->pixel[i];
     const __m128 d = _mm_load_ps(pixel);
     const __m128 before = _mm_shuffle_ps(d, d, 0xff);
-    _mm_store_ps(
-      pixel, _mm_fmadd_ps(before, source, _mm_blend_ps(d, _mm_setzero_ps(), 8)));
+    _mm_store_ps(pixel, _mm_fmadd_ps(before, source, _mm_blend_ps(d, _mm_setzero_ps(), 8)));
   }
 }
 #endif
@@ -329,112 +327,118 @@ CHI_INLINE void consume(tile_state* t, const variant u)
   f->count = 0;
 }
 
-CHI_INLINE void flush(tile_state* t, const variant u)
+/* Rows of a box that is at most as wide as a vector, as many as fit into one: pixels from the
+ * first. */
+typedef struct narrow_boxes
 {
-  t->tally->candidates += (int64_t)t->candidate_count;
-  if (t->delicate >= 0)
-  {
-    cross_delicate(t, t->delicate_from);
-    t->delicate_from = 0;
-  }
-  for (int i = 0; i < CHI_LANES; ++i) /* of the last vector, which has no more */
-  {
-    t->candidate[t->candidate_count + (size_t)i] = 0;
-  }
-  evaluate(t, u.parallel, u.separate, u.cuts, u.picking);
-  if (t->f.count > FRAGMENTS - CANDIDATES - CHI_TET_TILE)
-  {
-    consume(t, u);
-  }
-}
+  float x[CHI_LANES + 1][CHI_LANES], y[CHI_LANES + 1][CHI_LANES];
+  int32_t pixel[CHI_LANES + 1][CHI_LANES];
+  int32_t rows[CHI_LANES + 1];
+} narrow_boxes;
 
-/* Candidates from `first` to `last` of a row. */
-CHI_INLINE void add_span(tile_state* t, int lane, int32_t row, int32_t first, int32_t last)
+static void make_narrow_boxes(narrow_boxes* boxes)
 {
-  const batch* const r = &t->r;
-  const int32_t start = (row << CHI_TET_TILE_SHIFT) + first + (lane << LANE_SHIFT) +
-    ((first - r->x0[lane]) << DX_SHIFT) + ((row - r->y0[lane]) << DY_SHIFT);
-  const int32_t each = 1 + (1 << DX_SHIFT);
-  static const int32_t steps[16] = { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15 };
-  const vi steps_of = vi_load(steps) * each + start;
-  const int32_t count = last - first + 1;
-  int32_t* const out = t->candidate + t->candidate_count;
-  for (int32_t i = 0; i < count; i += CHI_LANES)
+  for (int width = 1; width <= CHI_LANES; ++width)
   {
-    vi_store(out + i, steps_of + each * i);
-  }
-  t->candidate_count += (size_t)count;
-}
-
-/* All pixels of a bounding box of at most SMALL_AREA pixels, from a table by its width. */
-typedef struct small_boxes
-{
-  int32_t at[SMALL_AREA + 1][SMALL_AREA];
-} small_boxes;
-
-static void make_small_boxes(small_boxes* boxes)
-{
-  for (int width = 1; width <= SMALL_AREA; ++width)
-  {
-    for (int i = 0; i < SMALL_AREA; ++i)
+    boxes->rows[width] = CHI_LANES / width;
+    for (int i = 0; i < CHI_LANES; ++i)
     {
       const int x = i % width, y = i / width;
-      boxes->at[width][i] = (y << CHI_TET_TILE_SHIFT) + x + (x << DX_SHIFT) + (y << DY_SHIFT);
+      boxes->x[width][i] = (float)x;
+      /* lanes beyond the last whole row belong to no row that a box has */
+      boxes->y[width][i] = y < boxes->rows[width] ? (float)y : 2.0f * CHI_TET_TILE;
+      boxes->pixel[width][i] = y < boxes->rows[width] ? (y << CHI_TET_TILE_SHIFT) + x : 0;
     }
   }
 }
 
-CHI_INLINE void add_rows(tile_state* t, int lane, const variant u)
+/* Where in its box a tetrahedron is being drawn. */
+typedef struct cursor
+{
+  int32_t row;
+  int32_t spans_row; /* first row of `first` and `last`; -1: none */
+  int32_t first[CHI_LANES], last[CHI_LANES];
+} cursor;
+
+/* The pixels of CHI_LANES rows that the projected edges enclose. */
+CHI_INLINE void find_spans(const batch* r, int lane, cursor* at)
+{
+  const int32_t x0 = r->x0[lane], x1 = r->x1[lane];
+  if (r->state[lane] & SPREAD)
+  {
+    vi_store(at->first, vi_set(x0));
+    vi_store(at->last, vi_set(x1));
+    return;
+  }
+  const vf row = vf_iota() + (float)(r->y0[lane] + at->row);
+  vf left = vf_set(1e9f), right = vf_set(-1e9f);
+  for (int e = 0; e < 6; ++e)
+  {
+    const vi meets = (row >= r->edge_low[e][lane]) & (row <= r->edge_high[e][lane]);
+    const vf x = row * r->edge_slope[e][lane] + r->edge_x[e][lane];
+    left = vf_select(meets, vf_min(left, x), left);
+    right = vf_select(meets, vf_max(right, x), right);
+  }
+  /* twice the margin: the slope carries that of the row */
+  const vf l = vf_max(left - 4 * MARGIN, vf_set((float)x0));
+  const vf h = vf_min(right + 4 * MARGIN, vf_set((float)x1));
+  const vi li = vf_int(vf_min(l, vf_set(CHI_TET_TILE)));
+  vi_store(at->first, li - (vi_float(li) < l));
+  vi_store(at->last, vf_int(vf_max(h, vf_set(-1)) + 1.0f) - 1);
+}
+
+/* Goes on with a tetrahedron until it is done, or the fragments fill their buffer: 0 then. */
+CHI_INLINE int go_on(
+  tile_state* t, int lane, cursor* at, const narrow_boxes* boxes, const variant u)
 {
   const batch* const r = &t->r;
-  const int32_t x0 = r->x0[lane], x1 = r->x1[lane], y1 = r->y1[lane];
-  const int spread = r->state[lane] & SPREAD;
-  for (int32_t y = r->y0[lane]; y <= y1; y += CHI_LANES)
+  const int32_t x0 = r->x0[lane], y0 = r->y0[lane];
+  const int32_t width = r->x1[lane] - x0 + 1, height = r->y1[lane] - y0 + 1;
+  const int32_t start = (y0 << CHI_TET_TILE_SHIFT) + x0;
+  if (width <= CHI_LANES)
   {
-    int32_t first[CHI_LANES], last[CHI_LANES];
-    const int32_t rows = y1 - y + 1 < CHI_LANES ? y1 - y + 1 : CHI_LANES;
-    if (spread)
+    const vf x = vf_load(boxes->x[width]), y = vf_load(boxes->y[width]);
+    const vi pixel = vi_load(boxes->pixel[width]) + start;
+    for (; at->row < height; at->row += boxes->rows[width])
     {
-      for (int32_t i = 0; i < rows; ++i)
+      if (t->f.count > FRAGMENTS - CHI_LANES)
       {
-        first[i] = x0;
-        last[i] = x1;
+        return 0;
       }
+      const vf row = y + (float)at->row;
+      evaluate(t, lane, x, row, pixel + (at->row << CHI_TET_TILE_SHIFT), row < (float)height,
+        u.parallel, u.separate, u.cuts, u.picking);
     }
-    else
+    return 1;
+  }
+  for (; at->row < height; ++at->row)
+  {
+    if (t->f.count > FRAGMENTS - CHI_TET_TILE)
     {
-      const vf row = vf_iota() + (float)y;
-      vf left = vf_set(1e9f), right = vf_set(-1e9f);
-      for (int e = 0; e < 6; ++e)
-      {
-        const vi meets = (row >= r->edge_low[e][lane]) & (row <= r->edge_high[e][lane]);
-        const vf x = row * r->edge_slope[e][lane] + r->edge_x[e][lane];
-        left = vf_select(meets, vf_min(left, x), left);
-        right = vf_select(meets, vf_max(right, x), right);
-      }
-      /* twice the margin: the slope carries that of the row */
-      const vf l = vf_max(left - 4 * MARGIN, vf_set((float)x0));
-      const vf h = vf_min(right + 4 * MARGIN, vf_set((float)x1));
-      const vi li = vf_int(vf_min(l, vf_set(CHI_TET_TILE)));
-      const vi hi = vf_int(vf_max(h, vf_set(-1)) + 1.0f) - 1;
-      vi_store(first, li - (vi_float(li) < l));
-      vi_store(last, hi);
+      return 0;
     }
-    for (int32_t i = 0; i < rows; ++i)
+    if (at->spans_row < 0 || at->row >= at->spans_row + CHI_LANES)
     {
-      if (last[i] >= first[i])
-      {
-        add_span(t, lane, y + i, first[i], last[i]);
-        if (t->candidate_count > CANDIDATES - CHI_TET_TILE)
-        {
-          flush(t, u);
-        }
-      }
+      at->spans_row = at->row;
+      find_spans(r, lane, at);
+    }
+    const int32_t first = at->first[at->row - at->spans_row];
+    const int32_t last = at->last[at->row - at->spans_row];
+    for (int32_t i = first; i <= last; i += CHI_LANES)
+    {
+      const vf x = vf_iota() + (float)(i - x0);
+      const vi in_row = vf_int(vf_iota()) + i;
+      const vi wanted = in_row <= last;
+      /* beyond the row's end any pixel of the tile will do */
+      const vi pixel = (in_row & wanted) + ((y0 + at->row) << CHI_TET_TILE_SHIFT);
+      evaluate(t, lane, x, vf_set((float)at->row), pixel, wanted, u.parallel, u.separate, u.cuts,
+        u.picking);
     }
   }
+  return 1;
 }
 
-CHI_INLINE void draw_batch(tile_state* t, int n, const small_boxes* boxes, const variant u)
+CHI_INLINE void draw_batch(tile_state* t, int n, const narrow_boxes* boxes, const variant u)
 {
   batch* const r = &t->r;
   for (int o = 0; o < CHI_LANES && o < n; o += HALF_LANES)
@@ -444,8 +448,7 @@ CHI_INLINE void draw_batch(tile_state* t, int n, const small_boxes* boxes, const
   t->tally->tetrahedra += n;
   for (int lane = 0; lane < n; ++lane)
   {
-    const int32_t width = r->x1[lane] - r->x0[lane] + 1, height = r->y1[lane] - r->y0[lane] + 1;
-    if (width <= 0 || height <= 0)
+    if (r->x1[lane] < r->x0[lane] || r->y1[lane] < r->y0[lane])
     {
       continue;
     }
@@ -458,34 +461,15 @@ CHI_INLINE void draw_batch(tile_state* t, int n, const small_boxes* boxes, const
     {
       ++t->tally->delicate;
       make_faces(t, lane);
-      t->delicate = lane;
-      t->delicate_from = t->candidate_count;
     }
-    if (width * height <= SMALL_AREA)
+    cursor at;
+    at.row = 0;
+    at.spans_row = -1;
+    while (!go_on(t, lane, &at, boxes, u))
     {
-      const int32_t start =
-        (r->y0[lane] << CHI_TET_TILE_SHIFT) + r->x0[lane] + (lane << LANE_SHIFT);
-      for (int i = 0; i < SMALL_AREA; i += CHI_LANES)
-      {
-        vi_store(t->candidate + t->candidate_count + i, vi_load(boxes->at[width] + i) + start);
-      }
-      t->candidate_count += (size_t)(width * height);
-    }
-    else
-    {
-      add_rows(t, lane, u);
-    }
-    if (t->delicate >= 0)
-    {
-      cross_delicate(t, t->delicate_from);
-      t->delicate = -1;
-    }
-    if (t->candidate_count > CANDIDATES - CHI_TET_TILE)
-    {
-      flush(t, u);
+      consume(t, u);
     }
   }
-  flush(t, u);
 }
 
 static int is_saturated(const float* rgba, float stop)
@@ -506,15 +490,28 @@ CHI_INLINE void draw_tile(const chi_tet_scene* scene, const uint64_t* list, size
   int32_t tile_x, int32_t tile_y, chi_tet_target* target, chi_tet_tally* tally, const variant u)
 {
   tile_state t;
-  small_boxes boxes;
-  make_small_boxes(&boxes);
+  narrow_boxes boxes;
+  make_narrow_boxes(&boxes);
+#if defined(CHI_VEC_AVX2)
+  for (uint32_t mask = 0; mask < 256; ++mask)
+  {
+    int shift = 0;
+    t.lanes[mask] = 0;
+    for (uint64_t lane = 0; lane < 8; ++lane)
+    {
+      if (mask >> lane & 1)
+      {
+        t.lanes[mask] |= lane << shift;
+        shift += 8;
+      }
+    }
+  }
+#endif
   t.scene = scene;
   t.x = tile_x;
   t.y = tile_y;
   t.left = scene->first[0] + scene->step[0] * tile_x;
   t.bottom = scene->first[1] + scene->step[1] * tile_y;
-  t.candidate_count = 0;
-  t.delicate = -1;
   t.f.count = 0;
   t.target = target;
   t.tally = tally;

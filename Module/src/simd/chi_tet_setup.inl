@@ -17,8 +17,7 @@
 
 enum
 {
-  HALF_LANES = CHI_LANES / 2,
-  SMALL_AREA = 48 /* pixels of a bounding box of which all are tried */
+  HALF_LANES = CHI_LANES / 2
 };
 
 typedef double vd __attribute__((vector_size(8 * HALF_LANES)));
@@ -207,7 +206,7 @@ CHI_INLINE vh high_float(vd bits)
   return (vh) __builtin_convertvector((vl)bits >> 32, vhi);
 }
 
-/* Where rows meet the six projected edges, for boxes too large to try every pixel of. */
+/* Where rows meet the six projected edges, for boxes too wide to try every pixel of. */
 CHI_INLINE void set_edges(batch* r, int o, const vh sx[4], const vh sy[4])
 {
   static const int from[6] = { 0, 0, 0, 1, 1, 2 }, to[6] = { 1, 2, 3, 2, 3, 3 };
@@ -304,7 +303,7 @@ CHI_INLINE void set_up(batch* r, int o, const chi_tet_scene* scene, int32_t tile
   int large = 0;
   for (int i = 0; i < HALF_LANES; ++i)
   {
-    large |= columns[i] * rows[i] > SMALL_AREA;
+    large |= columns[i] > CHI_LANES;
   }
   if (large)
   {
