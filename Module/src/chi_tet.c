@@ -49,8 +49,19 @@ typedef struct bin_key
 typedef struct draw_key
 {
   uint64_t tables;
-  int64_t blend, skip, has_surface;
+  int64_t blend, skip, size[2];
+  const void* depth;
+  uint64_t surface;
 } draw_key;
+
+/* What fragments are made from, but for their colours. */
+typedef struct cache_key
+{
+  uint64_t view, bins, values, surface;
+  const void* depth;
+  double range[2];
+  size_t count;
+} cache_key;
 
 struct chi_tet
 {
@@ -61,6 +72,9 @@ struct chi_tet
   chi_tet_order* order;
   chi_preintegration* preintegration;
   chi_segment_tables tables;
+  chi_tet_reduction reduction;
+  chi_tet_cache cache;
+  cache_key cached;
   chi_buffer image;
   int32_t width, height;
   int32_t bits; /* of the keys */
@@ -139,6 +153,9 @@ void chi_tet_destroy(const chi_exec* exec, chi_tet* tet)
   chi_tet_bins_free(exec, &tet->bins);
   chi_tet_order_destroy(exec, tet->order);
   chi_preintegration_destroy(exec, tet->preintegration);
+  chi_tet_cache_free(exec, &tet->cache);
+  chi_buffer_free(exec, &tet->reduction.depth);
+  chi_buffer_free(exec, &tet->reduction.rgba);
   chi_buffer_free(exec, &tet->image);
   chi_buffer_free(exec, &tet->sequence);
   chi_free(exec, tet, 1, sizeof *tet);
@@ -181,7 +198,8 @@ static int params_are_valid(const chi_tet_params* p)
     p->pre_integration >= CHI_PREINTEGRATION_AUTO &&
     p->pre_integration <= CHI_PREINTEGRATION_FULL &&
     (p->opacity_convention == CHI_OPACITY_LINEAR || p->opacity_convention == CHI_OPACITY_IMAGE) &&
-    (p->blend == CHI_TET_BLEND_COMPOSITE || p->blend == CHI_TET_BLEND_MAXIMUM) && p->skip >= 0;
+    (p->blend == CHI_TET_BLEND_COMPOSITE || p->blend == CHI_TET_BLEND_MAXIMUM) && p->skip >= 0 &&
+    p->reduction >= 0 && p->reduction <= 8;
 }
 
 /* The frame as one of ours, checked. The grid, the arrays and the transfer function are checked in
@@ -566,6 +584,68 @@ static chi_tet_scene make_scene(const chi_tet* tet, const chi_tet_frame* f)
   return s;
 }
 
+/* What this frame does with kept fragments: nothing while the view moves; where it stands the first
+ * new transfer function counts them, the second keeps them, and the next ones use them. */
+static int use_cache(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* f)
+{
+  chi_tet_cache* const cache = &tet->cache;
+  cache_key key;
+  memset(&key, 0, sizeof key);
+  key.view = tet->versions[0];
+  key.bins = tet->versions[1];
+  key.values = tet->versions[3];
+  key.depth = f->surface ? f->surface->depth : NULL;
+  key.surface = f->surface ? f->surface->version : 0;
+  memcpy(key.range, tet->tables.range, sizeof key.range);
+  key.count = (size_t)tet->tables.count;
+  if (!f->params->fragment_cache_bytes || tet->values.separate ||
+    f->params->blend != CHI_TET_BLEND_COMPOSITE || !(f->params->skip & CHI_TET_SKIP_UNCHANGED))
+  {
+    chi_tet_cache_free(exec, cache);
+    cache->is_counted = cache->is_full = 0;
+    return CHI_TET_CACHE_OFF;
+  }
+  if (memcmp(&key, &tet->cached, sizeof key) != 0)
+  {
+    tet->cached = key;
+    cache->is_counted = cache->is_full = 0;
+    return CHI_TET_CACHE_OFF;
+  }
+  if (!cache->is_counted)
+  {
+    return CHI_TET_CACHE_COUNT;
+  }
+  const size_t tiles = (size_t)tet->bins.tiles[0] * (size_t)tet->bins.tiles[1];
+  return cache->is_full ? CHI_TET_CACHE_READ
+    : chi_tet_cache_reserve(exec, cache, tiles, f->params->fragment_cache_bytes)
+    ? CHI_TET_CACHE_WRITE
+    : CHI_TET_CACHE_OFF;
+}
+
+/* The pixels, from all stages before. */
+static chi_status draw(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* f, float* rgba)
+{
+  chi_tet_stats* const s = &tet->stats;
+  chi_tet_cache* const cache = &tet->cache;
+  const double begin = now();
+  const chi_tet_scene scene = make_scene(tet, f);
+  const int use = use_cache(exec, tet, f);
+  const chi_tet_pass pass = { .skip_saturated = f->params->skip & CHI_TET_SKIP_SATURATED,
+    .rgba = rgba,
+    .cache = cache,
+    .cache_use = use };
+  chi_tet_tally tally;
+  const chi_status status = chi_tet_draw(exec, &tet->bins, &scene, &pass, &tally);
+  cache->is_counted = status == CHI_OK && (use == CHI_TET_CACHE_COUNT || cache->is_counted);
+  cache->is_full = status == CHI_OK && (use == CHI_TET_CACHE_WRITE || cache->is_full);
+  s->drawn = tally.tetrahedra;
+  s->fragments = tally.fragments;
+  s->delicate = tally.delicate;
+  s->skipped[5] = tally.saturated;
+  s->seconds_draw = now() - begin;
+  return status;
+}
+
 chi_status chi_tet_render(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* frame)
 {
   own_frame own;
@@ -574,20 +654,33 @@ chi_status chi_tet_render(const chi_exec* exec, chi_tet* tet, const chi_tet_fram
   {
     return valid;
   }
-  const chi_tet_frame* const f = &own.frame;
+  chi_tet_frame* const f = &own.frame;
   const double start = now();
+  const int32_t width = f->camera->width, height = f->camera->height;
+  const int reduced = own.params.reduction > 1;
+  chi_status status = CHI_OK;
+  if (reduced)
+  {
+    status = chi_tet_reduce(exec, &tet->reduction, f, own.params.reduction);
+    f->camera = &tet->reduction.camera;
+    f->surface = f->surface ? &tet->reduction.surface : NULL;
+  }
   chi_tet_stats* const s = &tet->stats;
-  chi_status status = prepare(exec, tet, f);
+  status = status == CHI_OK ? prepare(exec, tet, f) : status;
   draw_key key;
   memset(&key, 0, sizeof key);
   key.tables = tet->tables.version;
   key.blend = f->params->blend;
   key.skip = f->params->skip & CHI_TET_SKIP_SATURATED;
-  key.has_surface = f->surface != NULL;
-  const int64_t stages = 5; /* split, values, view, bins; and the surface's part in the picture */
-  const int same_surface =
-    !f->surface || (tet->bin.depth == f->surface->depth && tet->bin.surface == f->surface->version);
-  if (status == CHI_OK && tet->has_image && s->skipped[7] == stages - 1 && same_surface &&
+  key.depth = f->surface ? f->surface->depth : NULL;
+  key.surface = f->surface ? f->surface->version : 0;
+  key.size[0] = width;
+  key.size[1] = height;
+  enum
+  {
+    STAGES = 4 /* split, values, view, bins */
+  };
+  if (status == CHI_OK && tet->has_image && s->skipped[7] == STAGES &&
     !differs(tet, f, 1, &tet->drawn, &key, sizeof key))
   {
     ++s->skipped[7];
@@ -598,29 +691,26 @@ chi_status chi_tet_render(const chi_exec* exec, chi_tet* tet, const chi_tet_fram
   }
   tet->has_image = 0;
   if (status == CHI_OK &&
-    !chi_buffer_reserve(
-      exec, &tet->image, (size_t)f->camera->width * (size_t)f->camera->height, 4 * sizeof(float)))
+    (!chi_buffer_reserve(exec, &tet->image, (size_t)width * (size_t)height, 4 * sizeof(float)) ||
+      (reduced &&
+        !chi_buffer_reserve(exec, &tet->reduction.rgba,
+          (size_t)f->camera->width * (size_t)f->camera->height, 4 * sizeof(float)))))
   {
     status = CHI_ERROR_OUT_OF_MEMORY;
   }
-  if (status == CHI_OK)
+  float* const image = (float*)tet->image.data;
+  float* const rgba = reduced ? (float*)tet->reduction.rgba.data : image;
+  status = status == CHI_OK ? draw(exec, tet, f, rgba) : status;
+  if (status == CHI_OK && reduced)
   {
-    const double begin = now();
-    const chi_tet_scene scene = make_scene(tet, f);
-    chi_tet_tally tally;
-    status = chi_tet_draw(exec, &tet->bins, &scene, f->params->skip & CHI_TET_SKIP_SATURATED,
-      (float*)tet->image.data, NULL, &tally);
-    s->drawn = tally.tetrahedra;
-    s->fragments = tally.fragments;
-    s->delicate = tally.delicate;
-    s->skipped[5] = tally.saturated;
-    s->seconds_draw = now() - begin;
+    status = chi_tet_enlarge(exec, &tet->reduction, rgba, image, width, height);
   }
   tet->drawn = key;
   tet->has_image = status == CHI_OK;
-  tet->width = f->camera->width;
-  tet->height = f->camera->height;
+  tet->width = width;
+  tet->height = height;
   s->bytes_image = tet->image.bytes;
+  s->bytes_cache = tet->cache.pixels.bytes + tet->cache.ends.bytes + tet->cache.lengths.bytes;
   s->seconds_total = now() - start;
   return status;
 }
@@ -672,7 +762,8 @@ chi_status chi_tet_find_cells(const chi_exec* exec, chi_tet* tet, const chi_tet_
     const chi_tet_scene scene = make_scene(tet, &own.frame);
     const chi_tet_picks picks = { opacity, cells, depths };
     chi_tet_tally tally;
-    status = chi_tet_draw(exec, &tet->bins, &scene, 0, NULL, &picks, &tally);
+    const chi_tet_pass pass = { .picks = &picks };
+    status = chi_tet_draw(exec, &tet->bins, &scene, &pass, &tally);
   }
   tet->stats = stats;
   return status;

@@ -14,10 +14,9 @@ typedef struct draw_job
   const chi_tet_bins* bins;
   const chi_tet_scene* scene;
   const chi_tet_kernels* kernels;
-  const chi_tet_picks* picks;
+  const chi_tet_pass* pass;
   const uint32_t* order; /* of the tiles: those with most to draw first */
   float stop;
-  float* rgba;
   chi_tet_tally* tally; /* [tiles] */
   atomic_size_t next;
 } draw_job;
@@ -65,7 +64,7 @@ static void store_tile(const draw_job* job, const float* tile, int32_t x0, int32
     for (int32_t x = 0; x < CHI_TET_TILE && x0 + x < s->width; ++x)
     {
       finish_pixel(s, tile + 4 * (y * CHI_TET_TILE + x),
-        job->rgba + 4 * ((size_t)(y0 + y) * (size_t)s->width + (size_t)(x0 + x)));
+        job->pass->rgba + 4 * ((size_t)(y0 + y) * (size_t)s->width + (size_t)(x0 + x)));
     }
   }
 }
@@ -81,8 +80,8 @@ static void store_picks(const draw_job* job, const chi_tet_target* target, int32
       const size_t to = (size_t)(y0 + y) * (size_t)s->width + (size_t)(x0 + x);
       const int any = target->pick_alpha[i] > 1.0f / 255;
       const uint32_t t = target->pick[i];
-      job->picks->cells[to] = any ? (int64_t)(s->cells ? s->cells[t] : t) : -1;
-      job->picks->depths[to] = any ? target->pick_depth[i] : INFINITY;
+      job->pass->picks->cells[to] = any ? (int64_t)(s->cells ? s->cells[t] : t) : -1;
+      job->pass->picks->depths[to] = any ? target->pick_depth[i] : INFINITY;
     }
   }
 }
@@ -103,7 +102,23 @@ static void draw_tile(draw_job* job, size_t tile)
   const uint64_t* const list = (const uint64_t*)job->bins->list.data + starts[tile];
   const size_t count = starts[tile + 1] - starts[tile];
   chi_tet_target target = { .rgba = rgba, .stop = s->maximum ? 0 : job->stop };
-  if (!job->picks)
+  chi_tet_cached cached;
+  if (job->pass->cache_use == CHI_TET_CACHE_WRITE || job->pass->cache_use == CHI_TET_CACHE_READ)
+  {
+    const chi_tet_cache* const cache = job->pass->cache;
+    const size_t* const from = (const size_t*)cache->starts.data + tile;
+    cached = (chi_tet_cached){ (uint16_t*)cache->pixels.data + from[0],
+      (uint16_t(*)[2])cache->ends.data + from[0], (float*)cache->lengths.data + from[0], 0 };
+    target.cached = &cached;
+    if (job->pass->cache_use == CHI_TET_CACHE_READ)
+    {
+      cached.count = from[1] - from[0];
+      job->kernels->draw_cached(s, &target, job->tally + tile);
+      store_tile(job, rgba, x0, y0);
+      return;
+    }
+  }
+  if (!job->pass->picks)
   {
     job->kernels->draw(s, list, count, x0, y0, &target, job->tally + tile);
     store_tile(job, rgba, x0, y0);
@@ -114,7 +129,7 @@ static void draw_tile(draw_job* job, size_t tile)
   target.pick_alpha = alpha;
   target.pick = id;
   target.pick_depth = depth;
-  target.pick_opacity = (float)job->picks->opacity;
+  target.pick_opacity = (float)job->pass->picks->opacity;
   target.stop = 0;
   job->kernels->draw(s, list, count, x0, y0, &target, job->tally + tile);
   store_picks(job, &target, x0, y0);
@@ -161,11 +176,13 @@ static void order_tiles(const size_t* starts, size_t tiles, uint32_t* order)
 }
 
 chi_status chi_tet_draw(const chi_exec* exec, chi_tet_bins* bins, const chi_tet_scene* scene,
-  int skip_saturated, float* rgba, const chi_tet_picks* picks, chi_tet_tally* tally)
+  const chi_tet_pass* pass, chi_tet_tally* tally)
 {
   const size_t tiles = (size_t)bins->tiles[0] * (size_t)bins->tiles[1];
+  const int counts = pass->cache_use == CHI_TET_CACHE_COUNT;
   if (!chi_buffer_reserve(exec, &bins->order, tiles, sizeof(uint32_t)) ||
-    !chi_buffer_reserve(exec, &bins->tallies, tiles, sizeof(chi_tet_tally)))
+    !chi_buffer_reserve(exec, &bins->tallies, tiles, sizeof(chi_tet_tally)) ||
+    (counts && !chi_buffer_reserve(exec, &pass->cache->starts, tiles + 1, sizeof(size_t))))
   {
     return CHI_ERROR_OUT_OF_MEMORY;
   }
@@ -176,16 +193,21 @@ chi_status chi_tet_draw(const chi_exec* exec, chi_tet_bins* bins, const chi_tet_
     .bins = bins,
     .scene = scene,
     .kernels = chi_tet_get_kernels(),
-    .picks = picks,
+    .pass = pass,
     .order = (const uint32_t*)bins->order.data,
-    .stop = skip_saturated ? STOP : 0,
-    .rgba = rgba,
+    /* what is left out now may be wanted under other colours */
+    .stop = pass->skip_saturated && !counts && pass->cache_use != CHI_TET_CACHE_WRITE ? STOP : 0,
     .tally = each };
   atomic_init(&job.next, 0);
   const chi_status status = chi_for(exec, tiles, draw_tiles, &job);
   *tally = (chi_tet_tally){ 0 };
   for (size_t i = 0; i < tiles; ++i)
   {
+    if (counts)
+    {
+      ((size_t*)pass->cache->starts.data)[i] = (size_t)tally->fragments;
+      ((size_t*)pass->cache->starts.data)[i + 1] = (size_t)(tally->fragments + each[i].fragments);
+    }
     tally->tetrahedra += each[i].tetrahedra;
     tally->flat += each[i].flat;
     tally->delicate += each[i].delicate;
@@ -193,4 +215,22 @@ chi_status chi_tet_draw(const chi_exec* exec, chi_tet_bins* bins, const chi_tet_
     tally->saturated += each[i].saturated;
   }
   return status;
+}
+
+int chi_tet_cache_reserve(const chi_exec* exec, chi_tet_cache* cache, size_t tiles, size_t limit)
+{
+  const size_t count = ((const size_t*)cache->starts.data)[tiles];
+  const size_t each = 3 * sizeof(uint16_t) + sizeof(float);
+  return count <= limit / each &&
+    chi_buffer_reserve(exec, &cache->pixels, count + 1, sizeof(uint16_t)) &&
+    chi_buffer_reserve(exec, &cache->ends, count + 1, 2 * sizeof(uint16_t)) &&
+    chi_buffer_reserve(exec, &cache->lengths, count + 1, sizeof(float));
+}
+
+void chi_tet_cache_free(const chi_exec* exec, chi_tet_cache* cache)
+{
+  chi_buffer_free(exec, &cache->starts);
+  chi_buffer_free(exec, &cache->pixels);
+  chi_buffer_free(exec, &cache->ends);
+  chi_buffer_free(exec, &cache->lengths);
 }

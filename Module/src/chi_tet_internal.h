@@ -99,9 +99,52 @@ typedef struct chi_tet_picks
   float* depths;
 } chi_tet_picks;
 
-/* `rgba` [height x width x 4], or NULL with `picks`. */
+/* Fragments kept from one frame for the next, where nothing but colours has changed. How many there
+ * are has to be known before they are kept, from a frame that left none out. */
+typedef struct chi_tet_cache
+{
+  chi_buffer starts; /* size_t [tiles + 1]: fragments of the tiles before */
+  chi_buffer pixels, ends, lengths;
+  int is_counted, is_full; /* `starts` are those of the frame; and the fragments */
+} chi_tet_cache;
+
+enum
+{
+  CHI_TET_CACHE_OFF,
+  CHI_TET_CACHE_COUNT,
+  CHI_TET_CACHE_WRITE,
+  CHI_TET_CACHE_READ
+};
+
+typedef struct chi_tet_pass
+{
+  int skip_saturated;
+  float* rgba;                /* [height x width x 4]; NULL with `picks` */
+  const chi_tet_picks* picks; /* or NULL */
+  chi_tet_cache* cache;
+  int cache_use; /* CHI_TET_CACHE_... */
+} chi_tet_pass;
+
 chi_status chi_tet_draw(const chi_exec* exec, chi_tet_bins* bins, const chi_tet_scene* scene,
-  int skip_saturated, float* rgba, const chi_tet_picks* picks, chi_tet_tally* tally);
+  const chi_tet_pass* pass, chi_tet_tally* tally);
+/* Bytes of as many fragments; whether they can be had. */
+int chi_tet_cache_reserve(const chi_exec* exec, chi_tet_cache* cache, size_t tiles, size_t limit);
+void chi_tet_cache_free(const chi_exec* exec, chi_tet_cache* cache);
+
+/* A frame of fewer pixels, and its picture brought to size. */
+typedef struct chi_tet_reduction
+{
+  chi_camera camera;
+  chi_surface_view surface;
+  int32_t times;
+  chi_buffer depth; /* float [height x width] of the surface */
+  chi_buffer rgba;  /* float [height x width x 4] */
+} chi_tet_reduction;
+
+chi_status chi_tet_reduce(
+  const chi_exec* exec, chi_tet_reduction* reduction, const chi_tet_frame* frame, int32_t times);
+chi_status chi_tet_enlarge(const chi_exec* exec, const chi_tet_reduction* reduction,
+  const float* from, float* to, int32_t width, int32_t height);
 
 /* All tetrahedra that are in a tile, farthest first. */
 chi_status chi_tet_sequence(const chi_exec* exec, chi_tet_bins* bins, const chi_tet_mesh* mesh,

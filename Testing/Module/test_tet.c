@@ -160,8 +160,96 @@ static void one_points_at_the_cell_that_is_there(void)
   tet_mesh_free(mesh);
 }
 
+/* Colours of kept fragments differ by what their scalars are rounded by: 1/65535 of the range, and
+ * the steepest colour of the signal's table goes from 0 to 1 over half of it; so 3e-5 a fragment,
+ * of which the pixel is a mean. */
+static void kept_fragments_give_the_same_picture(void)
+{
+  tet_mesh* const mesh = tet_mesh_cubes(6, TET_MARSCHNER_LOBB);
+  scene s;
+  make_scene(&s, mesh, TET_VIEW_OBLIQUE, 0, 96);
+  tet_transfer_signal(&s.transfer, 1);
+  chi_tet* tet;
+  CHECK(chi_tet_create(NULL, &tet) == CHI_OK);
+  CHECK(chi_tet_render(NULL, tet, &s.frame) == CHI_OK);
+  chi_tet_image image;
+  chi_tet_get_image(tet, &image);
+  float* const first = (float*)malloc(96 * 96 * 4 * sizeof(float));
+  memcpy(first, image.rgba, 96 * 96 * 4 * sizeof(float));
+  s.params.fragment_cache_bytes = (size_t)1 << 24;
+  chi_tet_stats stats;
+  for (int frame = 0; frame < 4; ++frame)
+  {
+    s.transfer.view.version += 1;
+    CHECK(chi_tet_render(NULL, tet, &s.frame) == CHI_OK);
+    chi_tet_get_stats(tet, &stats);
+    CHECK((stats.bytes_cache > 0) == (frame >= 2));
+    CHECK((stats.drawn == 0) == (frame == 3)); /* the fourth draws no tetrahedron */
+    chi_tet_get_image(tet, &image);
+    double worst = 0;
+    for (int i = 0; i < 96 * 96 * 4; ++i)
+    {
+      const double error = fabs((double)image.rgba[i] - (double)first[i]);
+      worst = error > worst ? error : worst;
+    }
+    CHECK_NEAR(worst, 0, frame < 3 ? 0 : 3e-5);
+  }
+  s.camera = tet_view(TET_VIEW_CLOSE, 0, 96);
+  CHECK(chi_tet_render(NULL, tet, &s.frame) == CHI_OK);
+  chi_tet_get_stats(tet, &stats);
+  CHECK(stats.drawn > 0);
+  /* too little room for any */
+  s.params.fragment_cache_bytes = 100;
+  for (int frame = 0; frame < 4; ++frame)
+  {
+    s.transfer.view.version += 1;
+    CHECK(chi_tet_render(NULL, tet, &s.frame) == CHI_OK);
+    chi_tet_get_stats(tet, &stats);
+    CHECK(stats.drawn > 0);
+  }
+  free(first);
+  chi_tet_destroy(NULL, tet);
+  tet_mesh_free(mesh);
+}
+
+/* A coarse picture of what is smooth is the picture, where it is smooth: linear interpolation
+ * between pixels r apart is off by at most r^2 / 8 of the second difference. */
+static void a_reduced_picture_is_the_picture_enlarged(void)
+{
+  tet_mesh* const mesh = tet_mesh_cubes(2, TET_CONSTANT);
+  scene s;
+  make_scene(&s, mesh, TET_VIEW_INSIDE, 0, 99);
+  chi_tet *full, *coarse;
+  CHECK(chi_tet_create(NULL, &full) == CHI_OK && chi_tet_create(NULL, &coarse) == CHI_OK);
+  CHECK(chi_tet_render(NULL, full, &s.frame) == CHI_OK);
+  s.params.reduction = 2;
+  CHECK(chi_tet_render(NULL, coarse, &s.frame) == CHI_OK);
+  chi_tet_image a, b;
+  chi_tet_get_image(full, &a);
+  chi_tet_get_image(coarse, &b);
+  CHECK(b.width == 99 && b.height == 99);
+  double mean = 0;
+  for (int i = 0; i < 99 * 99; ++i)
+  {
+    mean += fabs((double)a.rgba[4 * i + 3] - (double)b.rgba[4 * i + 3]) / (99 * 99);
+  }
+  CHECK(mean > 0);
+  CHECK_NEAR(mean, 0, 1e-3); /* edges of the cube alone are not smooth */
+  chi_tet_stats stats;
+  CHECK(chi_tet_render(NULL, coarse, &s.frame) == CHI_OK);
+  chi_tet_get_stats(coarse, &stats);
+  CHECK(stats.reused == 1);
+  s.params.reduction = 9;
+  CHECK(chi_tet_render(NULL, coarse, &s.frame) == CHI_ERROR_INVALID_ARGUMENT);
+  chi_tet_destroy(NULL, full);
+  chi_tet_destroy(NULL, coarse);
+  tet_mesh_free(mesh);
+}
+
 int main(void)
 {
+  kept_fragments_give_the_same_picture();
+  a_reduced_picture_is_the_picture_enlarged();
   a_homogeneous_cube_has_the_closed_form();
   an_unchanged_frame_stands();
   maximum_intensity_is_that_of_the_largest_scalar();

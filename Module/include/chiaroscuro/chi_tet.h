@@ -81,6 +81,13 @@ typedef struct chi_tet_params
   int32_t skip;                    /**< CHI_TET_SKIP_...; default all */
   int32_t automatic_unit_distance; /**< non-zero: in place of the transfer function's unit distance
                                         the cube root of the mesh's volume a cell; default 0 */
+  int32_t reduction; /**< 2 ... 8: a picture of so many times fewer pixels a side, enlarged
+                          bilinearly; 0, 1: full (default). Cells are never left out */
+  int32_t reserved;
+  size_t fragment_cache_bytes; /**< what may be kept of fragments, 10 bytes each, so that a view
+                                  that stands is drawn faster under the third and later transfer
+                                    functions; scalars are rounded to 1/65535 of the range; 0: none
+                                    (default) */
 } chi_tet_params;
 
 /** One frame: all borrowed, none modified. */
@@ -131,6 +138,7 @@ typedef struct chi_tet_stats
   size_t bytes_mesh;  /**< of the mesh and its order, kept from frame to frame */
   size_t bytes_frame; /**< of the frame: points in the eye's space, tiles and their lists */
   size_t bytes_image; /**< of the picture */
+  size_t bytes_cache; /**< of kept fragments */
 } chi_tet_stats;
 
 /** The defaults named above. Infallible. */

@@ -55,6 +55,15 @@ typedef struct chi_tet_tally
   int64_t tetrahedra, flat, delicate, fragments, saturated;
 } chi_tet_tally;
 
+/* Fragments of a tile, front to back, as they are kept from frame to frame. */
+typedef struct chi_tet_cached
+{
+  uint16_t* pixel;     /* of the tile */
+  uint16_t (*ends)[2]; /* places of both scalars in the table, 0 ... 65535 */
+  float* length;       /* world units */
+  size_t count;
+} chi_tet_cached;
+
 /* Where the fragments of a tile go. */
 typedef struct chi_tet_target
 {
@@ -62,6 +71,7 @@ typedef struct chi_tet_target
     rgba;     /* [CHI_TET_TILE_PIXELS x 4] premultiplied colour and transmittance; of maximum
                  intensity x is the table position of the largest scalar, -1: none, y the opacity's */
   float stop; /* drawing ends where no transmittance is larger; 0: never */
+  chi_tet_cached* cached; /* also here, `count` of them so far; NULL: nowhere */
   /* picking: */
   float* pick_alpha; /* or NULL */
   uint32_t* pick;
@@ -91,6 +101,8 @@ typedef struct chi_tet_kernels
   /* Front to back: `list` lists the tile's tetrahedra (low halves) from the last to the first. */
   void (*draw)(const chi_tet_scene* scene, const uint64_t* list, size_t count, int32_t tile_x,
     int32_t tile_y, chi_tet_target* target, chi_tet_tally* tally);
+  /* The same from what has been kept of it, under other colours. */
+  void (*draw_cached)(const chi_tet_scene* scene, chi_tet_target* target, chi_tet_tally* tally);
 } chi_tet_kernels;
 
 extern const chi_tet_kernels chi_tet_kernels_generic;

@@ -198,7 +198,7 @@ CHI_INLINE void join_pairs(vf first, vf second, float* pairs)
  * are looked up before the weights are known; an entry of the table and the next are loaded as one
  * and multiplied by both their weights, colour by colour, on their way to the pixel.
  */
-CHI_INLINE void consume_partial(tile_state* t)
+CHI_INLINE void blend_partial(tile_state* t)
 {
   const chi_tet_scene* const s = t->scene;
   fragments* const f = &t->f;
@@ -264,16 +264,11 @@ CHI_INLINE void consume_partial(tile_state* t)
 }
 #endif
 
-CHI_INLINE void consume(tile_state* t, const variant u)
+/* Colours of all fragments, whose vectors are whole, and on to their pixels. */
+CHI_INLINE void blend_fragments(tile_state* t, const variant u)
 {
   const chi_segment_tables* const tables = t->scene->tables;
   fragments* const f = &t->f;
-  for (size_t i = f->count; i < f->count + CHI_LANES; ++i) /* whole vectors are worked on */
-  {
-    f->pixel[i] = 0;
-    f->length[i] = f->x0[i] = f->x1[i] = f->y0[i] = f->y1[i] = 0;
-  }
-  finish(t, u);
   t->tally->fragments += (int64_t)f->count;
   if (u.method == METHOD_MAXIMUM)
   {
@@ -284,7 +279,7 @@ CHI_INLINE void consume(tile_state* t, const variant u)
 #if defined(CHI_VEC_AVX2) || defined(CHI_VEC_AVX512)
   if (u.method == CHI_PREINTEGRATION_PARTIAL && !u.separate && !u.picking)
   {
-    consume_partial(t);
+    blend_partial(t);
     f->count = 0;
     return;
   }
@@ -325,6 +320,69 @@ CHI_INLINE void consume(tile_state* t, const variant u)
     }
   }
   f->count = 0;
+}
+
+CHI_INLINE void pad(fragments* f)
+{
+  for (size_t i = f->count; i < f->count + CHI_LANES; ++i)
+  {
+    f->pixel[i] = 0;
+    f->length[i] = f->x0[i] = f->x1[i] = f->y0[i] = f->y1[i] = 0;
+  }
+}
+
+static __attribute__((noinline)) void keep(const tile_state* t)
+{
+  chi_tet_cached* const to = t->target->cached;
+  const fragments* const f = &t->f;
+  const float scale = 65535.0f / t->scene->end;
+  for (size_t i = 0; i < f->count; ++i)
+  {
+    to->pixel[to->count + i] = (uint16_t)f->pixel[i];
+    to->length[to->count + i] = f->length[i];
+    to->ends[to->count + i][0] = (uint16_t)(int32_t)(f->x0[i] * scale + 0.5f);
+    to->ends[to->count + i][1] = (uint16_t)(int32_t)(f->x1[i] * scale + 0.5f);
+  }
+  to->count += f->count;
+}
+
+CHI_INLINE void consume(tile_state* t, const variant u)
+{
+  pad(&t->f);
+  finish(t, u);
+  if (t->target->cached)
+  {
+    keep(t);
+  }
+  blend_fragments(t, u);
+}
+
+CHI_INLINE void draw_kept(
+  const chi_tet_scene* scene, chi_tet_target* target, chi_tet_tally* tally, const variant u)
+{
+  tile_state t;
+  t.scene = scene;
+  t.target = target;
+  t.tally = tally;
+  fragments* const f = &t.f;
+  const chi_tet_cached* const from = target->cached;
+  const float scale = scene->end / 65535.0f;
+  for (size_t done = 0; done < from->count; done += FRAGMENTS)
+  {
+    const size_t left = from->count - done;
+    f->count = left < FRAGMENTS ? left : FRAGMENTS;
+    for (size_t i = 0; i < f->count; ++i)
+    {
+      const float x0 = (float)from->ends[done + i][0] * scale;
+      const float x1 = (float)from->ends[done + i][1] * scale;
+      f->pixel[i] = from->pixel[done + i];
+      f->length[i] = from->length[done + i];
+      f->x0[i] = x0 < scene->end ? x0 : scene->end;
+      f->x1[i] = x1 < scene->end ? x1 : scene->end;
+    }
+    pad(f);
+    blend_fragments(&t, u);
+  }
 }
 
 /* Rows of a box that is at most as wide as a vector, as many as fit into one: pixels from the
@@ -596,4 +654,17 @@ static void draw(const chi_tet_scene* scene, const uint64_t* list, size_t count,
       : plain && !cuts && method == CHI_PREINTEGRATION_NONE
       ? draw_none
       : draw_any)(scene, list, count, tile_x, tile_y, target, tally);
+}
+
+static void draw_cached(const chi_tet_scene* scene, chi_tet_target* target, chi_tet_tally* tally)
+{
+  const variant u = { scene->parallel, 0, 0, 0, scene->tables->method };
+  if (u.method == CHI_PREINTEGRATION_PARTIAL)
+  {
+    draw_kept(scene, target, tally, (variant){ 0, 0, 0, 0, CHI_PREINTEGRATION_PARTIAL });
+  }
+  else
+  {
+    draw_kept(scene, target, tally, u);
+  }
 }
