@@ -18,12 +18,20 @@
 
 #include <chiaroscuro/chi_preintegration.h>
 
+/* The compiler must not know that the indices come from a vector: it would take them out of it one
+ * by one instead of loading them, which costs a tenth of a segment. */
+CHI_INLINE void segment_keep_in_memory(int32_t at[CHI_LANES])
+{
+  __asm__("" : "+m"(*(int32_t(*)[CHI_LANES])at));
+}
+
 /* Entries at and after x, and x's distance from the first. */
 CHI_INLINE vf segment_load(const float (*table)[4], vf x, vf here[4], vf next[4])
 {
   const vi i = vf_int(x);
   int32_t at[CHI_LANES];
   vi_store(at, i);
+  segment_keep_in_memory(at);
   vf_load_pairs(table, at, here, next);
   return x - vi_float(i);
 }
@@ -181,6 +189,7 @@ CHI_INLINE void segment_full(const chi_segment_tables* t, vf x0, vf x1, vf lengt
   const vi z = segment_cell(p + 2, t->full_size[2]);
   int32_t at[CHI_LANES];
   vi_store(at, x + row * y + slice * z);
+  segment_keep_in_memory(at);
   vf sum[4][4], next[4];
   for (int k = 0; k < 4; ++k)
   {
