@@ -142,7 +142,9 @@ CHI_API void chi_preintegration_get_tables(
  * @retval CHI_ERROR_NOT_READY         empty tables
  *
  * Precision    see theory/preintegration.md.
- * Determinism  same bits on one instruction set; between instruction sets <= 1e-5.
+ * Determinism  same bits on one instruction set, wherever in the arrays a segment stands; between
+ *              instruction sets <= 1e-5.
+ * Non-finite   as said above; never in rgba.
  */
 CHI_API CHI_NODISCARD chi_status chi_segment_evaluate(const chi_segment_tables* tables,
   size_t count, const float* x0, const float* x1, const float* length, float* rgba);

@@ -12,8 +12,10 @@ CHI_INLINE void evaluate_vector(const chi_segment_tables* t, segment_method meth
   const vf zero = vf_set(0), end = vf_set((float)(t->count - 1));
   const vf a = vf_min(vf_max(vf_load(x0), zero), end);
   const vf b = vf_min(vf_max(vf_load(x1), zero), end);
+  const vf l =
+    vf_min(vf_max(vf_load(length), zero), vf_set(1e20f)); /* optical depths stay finite */
   vf out[4];
-  method(t, a, b, vf_max(vf_load(length), zero), out);
+  method(t, a, b, l, out);
   out[3] = 1.0f - out[3];
   vf_store_entries(rgba, out);
 }
