@@ -351,15 +351,22 @@ static chi_status read_values(const chi_exec* exec, chi_tet* tet, const chi_tet_
 static chi_status classify(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* f)
 {
   chi_transfer_view transfer = *f->transfer;
+  double scale = 1, stretch = 1; /* of volumes, and at most of lengths */
+  if (f->grid_to_world)
+  {
+    const double* const m = f->grid_to_world;
+    scale = fabs(m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
+      m[2] * (m[4] * m[9] - m[5] * m[8]));
+    stretch = 0;
+    for (int i = 0; i < 11; ++i)
+    {
+      stretch += i % 4 < 3 ? m[i] * m[i] : 0;
+    }
+    stretch = sqrt(stretch);
+  }
   if (f->params->automatic_unit_distance && tet->mesh.counts.volume > 0)
   {
-    double volume = tet->mesh.counts.volume;
-    if (f->grid_to_world)
-    {
-      const double* const m = f->grid_to_world;
-      volume *= fabs(m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
-        m[2] * (m[4] * m[9] - m[5] * m[8]));
-    }
+    const double volume = tet->mesh.counts.volume * scale;
     const chi_grid_counts* const n = &tet->mesh.counts;
     const size_t cells = n->cells - n->ghost_cells - n->blanked_cells - n->lower_dimensional_cells -
       n->unsupported_cells - n->non_finite_cells;
@@ -370,6 +377,10 @@ static chi_status classify(const chi_exec* exec, chi_tet* tet, const chi_tet_fra
   chi_preintegration_default_params(&params);
   params.method = f->params->pre_integration;
   params.opacity_convention = f->params->opacity_convention;
+  params.longest_segment = tet->values.longest_edge * stretch;
+  /* cells of one value each have segments as short as one likes */
+  params.segment_range =
+    fmax(tet->values.widest_range, 1e-6 * (transfer.range[1] - transfer.range[0]));
   chi_status status = chi_preintegration_update(exec, tet->preintegration, &transfer, &params);
   chi_preintegration_get_tables(tet->preintegration, &tet->tables);
   if (status != CHI_OK)

@@ -39,6 +39,7 @@ typedef struct chi_tet_values
 {
   chi_buffer scalars, opacities; /* float: of points, or of the grid's cells */
   int is_cell_data, separate;
+  double longest_edge, widest_range; /* of a tetrahedron: units of the grid, and of the scalar */
   chi_buffer visible;    /* uint32, one bit a tetrahedron */
   chi_buffer extinction; /* float [entries + 1] of the table, one after the other */
   chi_buffer opaque;     /* uint32: entries of the table, before each, that are not transparent */

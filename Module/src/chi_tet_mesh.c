@@ -47,6 +47,60 @@ void chi_tet_mesh_free(const chi_exec* exec, chi_tet_mesh* mesh)
 }
 
 /*------------------------------------------------------------------------------------------------*/
+/* What no segment of a ray exceeds: the longest edge, and the widest range of a tetrahedron. */
+typedef struct measure
+{
+  const chi_tet_mesh* mesh;
+  const float* scalars; /* of points; NULL: of cells, which have no range */
+  size_t chunk;
+  double (*most)[2]; /* [chunks] square of the edge, range */
+} measure;
+
+static void measure_chunk(void* data, size_t begin, size_t end)
+{
+  const measure* const m = (const measure*)data;
+  const size_t count = m->mesh->counts.tetrahedra;
+  for (size_t chunk = begin; chunk < end; ++chunk)
+  {
+    double longest = 0, widest = 0;
+    for (size_t t = chunk * m->chunk; t < count && t < (chunk + 1) * m->chunk; ++t)
+    {
+      const uint32_t* const v = (const uint32_t*)m->mesh->vertices.data + 4 * t;
+      double p[4][3];
+      for (int i = 0; i < 4; ++i)
+      {
+        chi_view_get(&m->mesh->all_points, v[i], p[i]);
+        for (int j = 0; j < i; ++j)
+        {
+          const double d[3] = { p[i][0] - p[j][0], p[i][1] - p[j][1], p[i][2] - p[j][2] };
+          const double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+          const double range = m->scalars ? fabs((double)m->scalars[v[i]] - m->scalars[v[j]]) : 0;
+          longest = square > longest ? square : longest;
+          widest = range > widest && range < INFINITY ? range : widest;
+        }
+      }
+    }
+    m->most[chunk][0] = longest;
+    m->most[chunk][1] = widest;
+  }
+}
+
+static chi_status measure_all(
+  const chi_exec* exec, chi_tet_values* values, const chi_tet_mesh* mesh)
+{
+  double most[CHI_TET_CHUNKS][2] = { { 0 } };
+  measure m = { mesh, values->is_cell_data ? NULL : (const float*)values->scalars.data,
+    (mesh->counts.tetrahedra + CHI_TET_CHUNKS - 1) / CHI_TET_CHUNKS, most };
+  const chi_status status = chi_for(exec, CHI_TET_CHUNKS, measure_chunk, &m);
+  values->longest_edge = values->widest_range = 0;
+  for (int i = 0; i < CHI_TET_CHUNKS; ++i)
+  {
+    values->longest_edge = fmax(values->longest_edge, sqrt(most[i][0]));
+    values->widest_range = fmax(values->widest_range, most[i][1]);
+  }
+  return status;
+}
+
 chi_status chi_tet_values_build(const chi_exec* exec, chi_tet_values* values,
   const chi_tet_mesh* mesh, const chi_grid_view* grid, const chi_tet_field* field)
 {
@@ -75,7 +129,7 @@ chi_status chi_tet_values_build(const chi_exec* exec, chi_tet_values* values,
       return status;
     }
   }
-  return CHI_OK;
+  return measure_all(exec, values, mesh);
 }
 
 typedef struct choice
