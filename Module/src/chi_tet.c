@@ -2,6 +2,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "chi_tet_internal.h"
 
+#include "chi_occlusion_internal.h" /* what it knows of shading */
+
 #include <math.h>
 #include <time.h>
 
@@ -52,6 +54,7 @@ typedef struct draw_key
   int64_t blend, skip, size[2];
   const void* depth;
   uint64_t surface;
+  chi_shading_key shading;
 } draw_key;
 
 /* What fragments are made from, but for their colours. */
@@ -75,6 +78,7 @@ struct chi_tet
   chi_tet_reduction reduction;
   chi_tet_cache cache;
   cache_key cached;
+  chi_buffer shades; /* float [tetrahedra][6] */
   chi_buffer image;
   int32_t width, height;
   int32_t bits; /* of the keys */
@@ -103,6 +107,7 @@ typedef struct own_frame
   chi_transfer_view transfer;
   chi_surface_view surface;
   chi_tet_params params;
+  chi_shading_view shading;
 } own_frame;
 
 static double now(void)
@@ -156,6 +161,7 @@ void chi_tet_destroy(const chi_exec* exec, chi_tet* tet)
   chi_tet_cache_free(exec, &tet->cache);
   chi_buffer_free(exec, &tet->reduction.depth);
   chi_buffer_free(exec, &tet->reduction.rgba);
+  chi_buffer_free(exec, &tet->shades);
   chi_buffer_free(exec, &tet->image);
   chi_buffer_free(exec, &tet->sequence);
   chi_free(exec, tet, 1, sizeof *tet);
@@ -215,6 +221,7 @@ static chi_status adopt(own_frame* own, const chi_tet_frame* given)
     !CHI_ADOPT(chi_tet_field, version, &own->field, f->field) ||
     !CHI_ADOPT(chi_transfer_view, version, &own->transfer, f->transfer) ||
     (f->surface && !CHI_ADOPT(chi_surface_view, version, &own->surface, f->surface)) ||
+    (f->shading && !CHI_ADOPT(chi_shading_view, light_count, &own->shading, f->shading)) ||
     (f->params && !CHI_ADOPT(chi_tet_params, automatic_unit_distance, &own->params, f->params)))
   {
     return CHI_ERROR_INVALID_ARGUMENT;
@@ -225,12 +232,13 @@ static chi_status adopt(own_frame* own, const chi_tet_frame* given)
   f->transfer = &own->transfer;
   f->surface = f->surface ? &own->surface : NULL;
   f->params = &own->params;
+  f->shading = f->shading ? &own->shading : NULL;
   if (own->params.skip & CHI_TET_SKIP_ALL)
   {
     own->params.skip |= CHI_TET_SKIP_EVERY_KIND;
   }
   return camera_is_valid(f->camera) && field_is_valid(f->field) && params_are_valid(f->params) &&
-      (!f->surface || f->surface->depth) &&
+      (!f->surface || f->surface->depth) && chi_shading_is_valid(f->shading) &&
       (!f->grid_to_world || all_finite(f->grid_to_world, 16)) &&
       f->clip_plane_count <= CHI_TET_MAX_CLIP_PLANES &&
       (!f->clip_plane_count ||
@@ -535,6 +543,14 @@ chi_status chi_tet_describe(
   {
     return status;
   }
+  if (f->shading)
+  {
+    status = chi_tet_shade(exec, &tet->shades, &tet->mesh, &tet->values, &tet->eye, &tet->bins, f);
+    if (status != CHI_OK)
+    {
+      return status;
+    }
+  }
   const chi_tet_values* const v = &tet->values;
   const chi_tet_mesh* const m = &tet->mesh;
   *plan = (chi_tet_plan){ .struct_size = sizeof *plan,
@@ -554,6 +570,8 @@ chi_status chi_tet_describe(
     .plane_count = f->clip_plane_count,
     .maximum_path = tet->stats.unit_distance,
     .opacity_convention = f->params->opacity_convention,
+    .shades = f->shading ? (const float*)tet->shades.data : NULL,
+    .color_limit = f->shading && f->shading->unclamped ? INFINITY : 1,
     .tables = tet->tables,
     .points_version = tet->versions[0],
     .scalars_version = tet->versions[3],
@@ -587,6 +605,8 @@ static chi_tet_scene make_scene(const chi_tet* tet, const chi_tet_frame* f)
     .end = (float)(tet->tables.count - 1),
     .tables = &tet->tables,
     .extinction = (const float*)tet->values.extinction.data,
+    .shades = f->shading ? (const float(*)[6])tet->shades.data : NULL,
+    .color_limit = f->shading && f->shading->unclamped ? INFINITY : 1,
     .maximum = f->params->blend == CHI_TET_BLEND_MAXIMUM,
     .maximum_of_unit = (float)tet->stats.unit_distance,
     .image_opacity = f->params->opacity_convention == CHI_OPACITY_IMAGE };
@@ -610,7 +630,8 @@ static int use_cache(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* f)
   memcpy(key.range, tet->tables.range, sizeof key.range);
   key.count = (size_t)tet->tables.count;
   if (!f->params->fragment_cache_bytes || tet->values.separate ||
-    f->params->blend != CHI_TET_BLEND_COMPOSITE || !(f->params->skip & CHI_TET_SKIP_UNCHANGED))
+    f->params->blend != CHI_TET_BLEND_COMPOSITE || f->shading ||
+    !(f->params->skip & CHI_TET_SKIP_UNCHANGED))
   {
     chi_tet_cache_free(exec, cache);
     cache->is_counted = cache->is_full = 0;
@@ -639,6 +660,15 @@ static chi_status draw(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* 
   chi_tet_stats* const s = &tet->stats;
   chi_tet_cache* const cache = &tet->cache;
   const double begin = now();
+  if (f->shading)
+  {
+    const chi_status shaded =
+      chi_tet_shade(exec, &tet->shades, &tet->mesh, &tet->values, &tet->eye, &tet->bins, f);
+    if (shaded != CHI_OK)
+    {
+      return shaded;
+    }
+  }
   const chi_tet_scene scene = make_scene(tet, f);
   const int use = use_cache(exec, tet, f);
   const chi_tet_pass pass = { .skip_saturated = f->params->skip & CHI_TET_SKIP_SATURATED,
@@ -685,6 +715,7 @@ chi_status chi_tet_render(const chi_exec* exec, chi_tet* tet, const chi_tet_fram
   key.skip = f->params->skip & CHI_TET_SKIP_SATURATED;
   key.depth = f->surface ? f->surface->depth : NULL;
   key.surface = f->surface ? f->surface->version : 0;
+  chi_shading_make_key(&key.shading, f->shading);
   key.size[0] = width;
   key.size[1] = height;
   enum
@@ -770,6 +801,7 @@ chi_status chi_tet_find_cells(const chi_exec* exec, chi_tet* tet, const chi_tet_
   tet->has_image = 0;
   if (status == CHI_OK)
   {
+    own.frame.shading = NULL;
     const chi_tet_scene scene = make_scene(tet, &own.frame);
     const chi_tet_picks picks = { opacity, cells, depths };
     chi_tet_tally tally;

@@ -40,9 +40,9 @@ typedef struct chi_tet_values
   chi_buffer scalars, opacities; /* float: of points, or of the grid's cells */
   int is_cell_data, separate;
   double longest_edge, widest_range; /* of a tetrahedron: units of the grid, and of the scalar */
-  chi_buffer visible;    /* uint32, one bit a tetrahedron */
-  chi_buffer extinction; /* float [entries + 1] of the table, one after the other */
-  chi_buffer opaque;     /* uint32: entries of the table, before each, that are not transparent */
+  chi_buffer visible;                /* uint32, one bit a tetrahedron */
+  chi_buffer extinction;             /* float [entries + 1] of the table, one after the other */
+  chi_buffer opaque; /* uint32: entries of the table, before each, that are not transparent */
   int64_t non_finite, transparent;
   int all_opaque;   /* `visible` holds all that is finite */
   uint64_t version; /* of `visible`: grows where it changes */
@@ -92,7 +92,13 @@ chi_status chi_tet_bins_build(const chi_exec* exec, chi_tet_bins* bins, const ch
   const chi_tet_values* values, const chi_tet_eye* eye, const chi_tet_frame* frame, int32_t bits);
 void chi_tet_bins_free(const chi_exec* exec, chi_tet_bins* bins);
 
-/* Stage 5: the picture. */
+/* Stage 5: what lights make of each tetrahedron that is in a tile: factors of red, green and blue,
+ * and what is added to them. */
+chi_status chi_tet_shade(const chi_exec* exec, chi_buffer* shades, const chi_tet_mesh* mesh,
+  const chi_tet_values* values, const chi_tet_eye* eye, const chi_tet_bins* bins,
+  const chi_tet_frame* frame);
+
+/* Stage 6: the picture. */
 typedef struct chi_tet_picks
 {
   double opacity;

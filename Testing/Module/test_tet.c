@@ -246,8 +246,53 @@ static void a_reduced_picture_is_the_picture_enlarged(void)
   tet_mesh_free(mesh);
 }
 
+/* The gradient of a ramp along x is (1, 0, 0) everywhere: a light that travels at an angle to it
+ * changes all colours by one factor, |n.l|, and adds nothing where there is no highlight. */
+static void a_ramp_is_lit_as_one(void)
+{
+  tet_mesh* const mesh = tet_mesh_cubes(3, TET_RAMP);
+  scene s;
+  make_scene(&s, mesh, TET_VIEW_AXIS, 1, 64);
+  chi_tet *plain, *lit;
+  CHECK(chi_tet_create(NULL, &plain) == CHI_OK && chi_tet_create(NULL, &lit) == CHI_OK);
+  CHECK(chi_tet_render(NULL, plain, &s.frame) == CHI_OK);
+  const chi_shading_light light = { .kind = CHI_LIGHT_DIRECTIONAL,
+    .direction = { 3, 0, -4 },
+    .diffuse = { 1, 0.5, 0 },
+    .specular = { 1, 1, 1 } };
+  chi_shading_view shading = { .struct_size = sizeof shading,
+    .ambient = 0.25,
+    .diffuse = 0.5,
+    .two_sided = 1,
+    .lights = &light,
+    .light_count = 1 };
+  s.frame.shading = &shading;
+  CHECK(chi_tet_render(NULL, lit, &s.frame) == CHI_OK);
+  chi_tet_image a, b;
+  chi_tet_get_image(plain, &a);
+  chi_tet_get_image(lit, &b);
+  const double factor[3] = { 0.25 + 0.5 * 0.6, 0.25 + 0.5 * 0.6 * 0.5, 0.25 };
+  double worst = 0;
+  for (int i = 0; i < 64 * 64; ++i)
+  {
+    for (int k = 0; k < 3; ++k)
+    {
+      const double error = fabs((double)b.rgba[4 * i + k] - factor[k] * (double)a.rgba[4 * i + k]);
+      worst = error > worst ? error : worst;
+    }
+    CHECK(a.rgba[4 * i + 3] == b.rgba[4 * i + 3]);
+  }
+  CHECK_NEAR(worst, 0, 1e-6); /* ten roundings of a float */
+  shading.ambient = -1;
+  CHECK(chi_tet_render(NULL, lit, &s.frame) == CHI_ERROR_INVALID_ARGUMENT);
+  chi_tet_destroy(NULL, plain);
+  chi_tet_destroy(NULL, lit);
+  tet_mesh_free(mesh);
+}
+
 int main(void)
 {
+  a_ramp_is_lit_as_one();
   kept_fragments_give_the_same_picture();
   a_reduced_picture_is_the_picture_enlarged();
   a_homogeneous_cube_has_the_closed_form();

@@ -16,6 +16,7 @@
 #include "chi_camera.h"
 #include "chi_grid.h"
 #include "chi_preintegration.h"
+#include "chi_shading.h"
 #include "chi_surface.h"
 #include "chi_tet_order.h"
 #include "chi_transfer.h"
@@ -106,6 +107,9 @@ typedef struct chi_tet_frame
    * coordinates. */
   const double* clip_planes; /**< [clip_plane_count x 4], not all of a, b, c zero */
   size_t clip_plane_count;   /**< 0 ... CHI_TET_MAX_CLIP_PLANES */
+  /** Shading by the gradient, which is constant in a tetrahedron: lights and eye as from its centre
+   * of gravity. Values of cells have no gradient. NULL: the table's colours as they are. */
+  const chi_shading_view* shading;
 } chi_tet_frame;
 
 /** The last picture, owned by the handle, valid until its next call. Row 0 is the lowest. */
@@ -218,6 +222,11 @@ typedef struct chi_tet_plan
   int32_t reserved;
   chi_segment_tables tables;
   uint64_t points_version, scalars_version, vertices_version, sequence_version;
+  const float* shades; /**< [count x 6] what lights make of each tetrahedron of the sequence:
+                          factors of red, green and blue, and what is added to them; NULL: no
+                          shading. A lit colour is at most color_limit, premultiplied at most that
+                          times the fragment's alpha */
+  double color_limit;
 } chi_tet_plan;
 
 /**

@@ -282,7 +282,7 @@ CHI_INLINE void narrow(face_mask enters, vf w, vf* low, vf* high)
 /* Fragments of one tetrahedron at pixels of the tile, x and y from the first of its box; those of
  * lanes that are not set in `wanted` are none. */
 CHI_INLINE void evaluate(tile_state* t, int lane, vf x, vf y, vi pixel, vi wanted,
-  const int parallel, const int separate, const int cuts, const int picking)
+  const int parallel, const int separate, const int cuts, const int picking, const int named)
 {
   const batch* const r = &t->r;
   fragments* const f = &t->f;
@@ -349,6 +349,9 @@ CHI_INLINE void evaluate(tile_state* t, int lane, vf x, vf y, vi pixel, vi wante
   if (picking)
   {
     compress(f->depth + n, mask, z0 + entry);
+  }
+  if (named)
+  {
     for (int i = 0; i < CHI_LANES; ++i)
     {
       f->id[n + (size_t)i] = r->id[lane];

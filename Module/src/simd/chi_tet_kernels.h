@@ -44,10 +44,12 @@ typedef struct chi_tet_scene
 
   float base, scale, end; /* table position = (scalar - base) * scale, 0 ... end */
   const chi_segment_tables* tables;
-  const float* extinction; /* [count + 1] of the tables, one after the other */
-  int32_t maximum;         /* 1: maximum intensity: opacity is that of a path of */
-  float maximum_of_unit;   /* so much length, by the convention: */
-  int32_t image_opacity;   /* 1: 1 - exp(-extinction x length), 0: extinction x length */
+  const float* extinction;  /* [count + 1] of the tables, one after the other */
+  const float (*shades)[6]; /* [tetrahedra] factor of the colour, and what is added; NULL */
+  float color_limit;        /* of shaded colours */
+  int32_t maximum;          /* 1: maximum intensity: opacity is that of a path of */
+  float maximum_of_unit;    /* so much length, by the convention: */
+  int32_t image_opacity;    /* 1: 1 - exp(-extinction x length), 0: extinction x length */
 } chi_tet_scene;
 
 typedef struct chi_tet_tally

@@ -47,7 +47,7 @@ CHI_INLINE void segment_separate(
 /* What differs from frame to frame, so that each combination has code of its own. */
 typedef struct variant
 {
-  int parallel, separate, cuts, picking, method;
+  int parallel, separate, cuts, picking, method, shaded;
 } variant;
 
 enum
@@ -157,6 +157,18 @@ CHI_INLINE void pick(tile_state* t, size_t i, float transmittance)
     g->pick_alpha[pixel] = hit ? 2.0f : share;
     g->pick[pixel] = f->id[i];
     g->pick_depth[pixel] = f->depth[i];
+  }
+}
+
+/* A fragment's premultiplied colour, by the lights on its tetrahedron. */
+CHI_INLINE void light(const chi_tet_scene* s, uint32_t id, float source[4])
+{
+  const float* const shade = s->shades[id];
+  const float alpha = 1.0f - source[3];
+  for (int c = 0; c < 3; ++c)
+  {
+    const float lit = source[c] * shade[c] + shade[3 + c] * alpha;
+    source[c] = lit < s->color_limit * alpha ? lit : s->color_limit * alpha;
   }
 }
 
@@ -277,7 +289,7 @@ CHI_INLINE void blend_fragments(tile_state* t, const variant u)
     return;
   }
 #if defined(CHI_VEC_AVX2) || defined(CHI_VEC_AVX512)
-  if (u.method == CHI_PREINTEGRATION_PARTIAL && !u.separate && !u.picking)
+  if (u.method == CHI_PREINTEGRATION_PARTIAL && !u.separate && !u.picking && !u.shaded)
   {
     blend_partial(t);
     f->count = 0;
@@ -312,6 +324,10 @@ CHI_INLINE void blend_fragments(tile_state* t, const variant u)
     const int n = left < CHI_LANES ? (int)left : CHI_LANES;
     for (int k = 0; k < n; ++k)
     {
+      if (u.shaded)
+      {
+        light(t->scene, f->id[i + (size_t)k], source[k]);
+      }
       if (u.picking)
       {
         pick(t, i + (size_t)k, source[k][3]);
@@ -465,7 +481,7 @@ CHI_INLINE int go_on(
       }
       const vf row = y + (float)at->row;
       evaluate(t, lane, x, row, pixel + (at->row << CHI_TET_TILE_SHIFT), row < (float)height,
-        u.parallel, u.separate, u.cuts, u.picking);
+        u.parallel, u.separate, u.cuts, u.picking, u.picking | u.shaded);
     }
     return 1;
   }
@@ -490,7 +506,7 @@ CHI_INLINE int go_on(
       /* beyond the row's end any pixel of the tile will do */
       const vi pixel = (in_row & wanted) + ((y0 + at->row) << CHI_TET_TILE_SHIFT);
       evaluate(t, lane, x, vf_set((float)at->row), pixel, wanted, u.parallel, u.separate, u.cuts,
-        u.picking);
+        u.picking, u.picking | u.shaded);
     }
   }
   return 1;
@@ -626,7 +642,7 @@ CHI_INLINE void draw_tile(const chi_tet_scene* scene, const uint64_t* list, size
     size_t count, int32_t tile_x, int32_t tile_y, chi_tet_target* target, chi_tet_tally* tally)    \
   {                                                                                                \
     draw_tile(scene, list, count, tile_x, tile_y, target, tally,                                   \
-      (variant){ parallel, separate, cuts, 0, method });                                           \
+      (variant){ parallel, separate, cuts, 0, method, 0 });                                        \
   }
 CHI_DRAW(draw_none, 0, 0, 0, CHI_PREINTEGRATION_NONE)
 CHI_DRAW(draw_partial, 0, 0, 0, CHI_PREINTEGRATION_PARTIAL)
@@ -638,7 +654,8 @@ static __attribute__((noinline)) void draw_any(const chi_tet_scene* scene, const
   size_t count, int32_t tile_x, int32_t tile_y, chi_tet_target* target, chi_tet_tally* tally)
 {
   const variant u = { scene->parallel, scene->separate, scene->depth || scene->plane_count,
-    target->pick_alpha != NULL, scene->maximum ? METHOD_MAXIMUM : scene->tables->method };
+    target->pick_alpha != NULL, scene->maximum ? METHOD_MAXIMUM : scene->tables->method,
+    scene->shades != NULL };
   draw_tile(scene, list, count, tile_x, tile_y, target, tally, u);
 }
 
@@ -646,7 +663,8 @@ static void draw(const chi_tet_scene* scene, const uint64_t* list, size_t count,
   int32_t tile_y, chi_tet_target* target, chi_tet_tally* tally)
 {
   const int cuts = scene->depth || scene->plane_count;
-  const int plain = !scene->parallel && !scene->separate && !target->pick_alpha && !scene->maximum;
+  const int plain = !scene->parallel && !scene->separate && !target->pick_alpha &&
+    !scene->maximum && !scene->shades;
   const int method = scene->tables->method;
   (plain && !cuts && method == CHI_PREINTEGRATION_PARTIAL     ? draw_partial
       : plain && cuts && method == CHI_PREINTEGRATION_PARTIAL ? draw_partial_cut
@@ -658,10 +676,10 @@ static void draw(const chi_tet_scene* scene, const uint64_t* list, size_t count,
 
 static void draw_cached(const chi_tet_scene* scene, chi_tet_target* target, chi_tet_tally* tally)
 {
-  const variant u = { scene->parallel, 0, 0, 0, scene->tables->method };
+  const variant u = { scene->parallel, 0, 0, 0, scene->tables->method, 0 };
   if (u.method == CHI_PREINTEGRATION_PARTIAL)
   {
-    draw_kept(scene, target, tally, (variant){ 0, 0, 0, 0, CHI_PREINTEGRATION_PARTIAL });
+    draw_kept(scene, target, tally, (variant){ 0, 0, 0, 0, CHI_PREINTEGRATION_PARTIAL, 0 });
   }
   else
   {
