@@ -93,16 +93,23 @@ CHI_INLINE vf segment_psi(vf front, vf back)
 {
   const vf half_rise = (back - front) * 0.5f;
   const vf most = vf_max(front, back);
-  vf psi = segment_psi_thin(front, half_rise);
-  const vi medium = most > 0.25f;
-  if (vi_any(medium))
+  const vi medium = most > 0.25f, thick = most > 1.5f;
+  if (!vi_any(medium))
+  {
+    return segment_psi_thin(front, half_rise);
+  }
+  vf psi = vf_set(0);
+  if (vi_any(~medium))
+  {
+    psi = segment_psi_thin(front, half_rise);
+  }
+  if (vi_any(medium & ~thick))
   {
     psi = vf_select(medium, segment_psi_medium(front, half_rise), psi);
-    const vi thick = most > 1.5f;
-    if (vi_any(thick))
-    {
-      psi = vf_select(thick, segment_psi_thick(front, half_rise), psi);
-    }
+  }
+  if (vi_any(thick))
+  {
+    psi = vf_select(thick, segment_psi_thick(front, half_rise), psi);
   }
   return psi;
 }
