@@ -495,7 +495,12 @@ static chi_status bin(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* f
   return CHI_OK;
 }
 
-/* All stages before pixels. */
+enum
+{
+  STAGES = 4 /* split, values, view, bins */
+};
+
+/* All stages before pixels. A picture of what they were before is lost. */
 static chi_status prepare(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* f)
 {
   chi_tet_stats* const s = &tet->stats;
@@ -507,6 +512,7 @@ static chi_status prepare(const chi_exec* exec, chi_tet* tet, const chi_tet_fram
   status = status == CHI_OK ? classify(exec, tet, f) : status;
   status = status == CHI_OK ? look(exec, tet, f) : status;
   status = status == CHI_OK ? bin(exec, tet, f) : status;
+  tet->has_image &= status == CHI_OK && s->skipped[7] == STAGES;
   s->tetrahedra = (int64_t)tet->mesh.counts.tetrahedra;
   s->bytes_mesh = tet->mesh.vertices.bytes + tet->mesh.cells.bytes + tet->mesh.points.bytes +
     tet->mesh.extra_cells.bytes + tet->values.scalars.bytes + tet->values.opacities.bytes +
@@ -718,10 +724,6 @@ chi_status chi_tet_render(const chi_exec* exec, chi_tet* tet, const chi_tet_fram
   chi_shading_make_key(&key.shading, f->shading);
   key.size[0] = width;
   key.size[1] = height;
-  enum
-  {
-    STAGES = 4 /* split, values, view, bins */
-  };
   if (status == CHI_OK && tet->has_image && s->skipped[7] == STAGES &&
     !differs(tet, f, 1, &tet->drawn, &key, sizeof key))
   {

@@ -290,8 +290,35 @@ static void a_ramp_is_lit_as_one(void)
   tet_mesh_free(mesh);
 }
 
+/* Other calls may run the stages of a frame that is drawn later. */
+static void what_was_described_is_still_to_be_drawn(void)
+{
+  tet_mesh* const mesh = tet_mesh_cubes(2, TET_RAMP);
+  scene s;
+  make_scene(&s, mesh, TET_VIEW_AXIS, 0, 32);
+  chi_tet *tet, *fresh;
+  chi_tet_image image, expected;
+  chi_tet_plan plan;
+  chi_tet_stats stats;
+  CHECK(chi_tet_create(NULL, &tet) == CHI_OK && chi_tet_create(NULL, &fresh) == CHI_OK);
+  CHECK(chi_tet_render(NULL, tet, &s.frame) == CHI_OK);
+  s.camera = tet_view(TET_VIEW_OBLIQUE, 0, 32);
+  CHECK(chi_tet_describe(NULL, tet, &s.frame, &plan) == CHI_OK);
+  CHECK(chi_tet_render(NULL, tet, &s.frame) == CHI_OK);
+  CHECK(chi_tet_render(NULL, fresh, &s.frame) == CHI_OK);
+  chi_tet_get_stats(tet, &stats);
+  chi_tet_get_image(tet, &image);
+  chi_tet_get_image(fresh, &expected);
+  CHECK(stats.reused == 0);
+  CHECK(memcmp(image.rgba, expected.rgba, 32 * 32 * 4 * sizeof(float)) == 0);
+  chi_tet_destroy(NULL, tet);
+  chi_tet_destroy(NULL, fresh);
+  tet_mesh_free(mesh);
+}
+
 int main(void)
 {
+  what_was_described_is_still_to_be_drawn();
   a_ramp_is_lit_as_one();
   kept_fragments_give_the_same_picture();
   a_reduced_picture_is_the_picture_enlarged();
