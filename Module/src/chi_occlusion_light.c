@@ -20,7 +20,7 @@ static int state_of_source(
   const int inside = y - m->skew >= 0 && y + m->skew < height && segment - m->shift_segments >= 0 &&
     segment + m->shift_segments < m->segments;
   int state = inside ? 0 : TILE_BRIGHT;
-  for (int64_t j = low; j <= high; ++j)
+  for (int64_t j = low; j <= high && state != TILE_MIXED; ++j)
   {
     const uint8_t* const flags = tile_row(m, f, side, j);
     for (int k = first; k <= last; ++k)

@@ -245,7 +245,7 @@ static chi_status reserve(march* m)
     !chi_buffer_reserve(exec, &keep->last_slab, bands * segments, 2 * sizeof(int64_t)) ||
     !chi_buffer_reserve(exec, &keep->live,
       blocks * bands * segments + light_rows * segments + bands * segments + 1, 1) ||
-    !chi_buffer_reserve(exec, &keep->live_row, m->rows * (cells + 2), 1) ||
+    !chi_buffer_reserve(exec, &keep->live_row, 3 * m->rows * cells, 1) ||
     !chi_buffer_reserve(exec, &keep->sampled, m->rows * cells, sizeof(int64_t)) ||
     !chi_buffer_reserve(exec, &keep->done, blocks * bands + 1, 1) ||
     !chi_buffer_reserve(exec, &keep->order, blocks * bands + 1, 2 * sizeof(int64_t)) ||
@@ -279,7 +279,7 @@ static chi_status reserve(march* m)
   m->tint = (float*)keep->tint.data;
   memset(keep->done.data, 0, blocks * bands);
   memset(m->live_row, RAYS_LIVE, m->rows * cells);
-  memset(m->tau_stale, 0, 2 * m->rows);
+  memset(m->tau_stale, 0, 2 * m->rows * cells);
   for (size_t i = 0; i < m->rows * cells; ++i)
   {
     m->sampled[i] = -2;

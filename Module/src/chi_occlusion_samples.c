@@ -59,7 +59,7 @@ static const float* run_visibility(const march* m, int channel, int64_t slab, do
     source[count] = visibility_row(m, f, i, row);
     weight[count++] = part;
     const uint8_t* const flags = tile_row(m, f, 2 + ring_slot(m, i), row);
-    for (int segment = seg0 > 0 ? seg0 - 1 : 0; segment <= seg1; ++segment)
+    for (int segment = seg0 > 0 ? seg0 - 1 : 0; segment <= seg1 && state != TILE_MIXED; ++segment)
     {
       state |= flags[segment];
     }
@@ -136,12 +136,8 @@ void chi_march_sample_row(march* m, int64_t slab, int64_t y, int band, chi_sampl
   int64_t* const sampled = m->sampled + y * m->cells_x;
   uint8_t* const flags = m->tau_flag + y / s->scale * m->segments;
   const int width = (s->width + CHI_CELL_WIDTH - 1) / CHI_CELL_WIDTH * CHI_CELL_WIDTH;
-  uint8_t* const stale = m->tau_stale + (size_t)(slab & 1) * m->rows + y;
-  if (*stale)
-  {
-    memset(row->tau, 0, m->stride * sizeof(float));
-    *stale = 0;
-  }
+  uint8_t* const stale =
+    m->tau_stale + ((size_t)(slab & 1) * m->rows + (size_t)y) * (size_t)m->cells_x;
   for (int64_t i = 0; i < s->group; ++i)
   {
     const int64_t segment = slab * s->group + i;
@@ -155,6 +151,11 @@ void chi_march_sample_row(march* m, int64_t slab, int64_t y, int band, chi_sampl
         {
           row->spared[live[cx] == RAYS_SATURATED ? CHI_SPARED_SATURATED : CHI_SPARED_HIDDEN] +=
             CHI_CELL_WIDTH;
+        }
+        if (i == 0 && stale[cx])
+        {
+          memset(row->tau + cx * CHI_CELL_WIDTH, 0, CHI_CELL_WIDTH * sizeof(float));
+          stale[cx] = 0;
         }
         ++cx;
         continue;
@@ -170,11 +171,12 @@ void chi_march_sample_row(march* m, int64_t slab, int64_t y, int band, chi_sampl
       while (end < m->cells_x && cells[end] == cells[cx] && live[end] == live[cx] &&
         (sampled[end] != segment - 1) == restart && need[segment_of_cell(s, end)] == light)
       {
+        stale[end] = 1;
         sampled[end++] = segment;
       }
-      *stale = 1;
       const int x0 = cx * CHI_CELL_WIDTH;
       const int x1 = end * CHI_CELL_WIDTH < width ? end * CHI_CELL_WIDTH : width;
+      row->new_tau = i == 0;
       row->restart = restart;
       row->bricks = (cells[cx] & CELL_MIXED) != 0;
       row->cut = (cells[cx] & CELL_CUT) != 0;

@@ -108,7 +108,8 @@ typedef struct chi_sample_row
   float* table_position; /* state at the near slice; NaN: not sampled */
   int32_t* sum;
   float* rest;
-  float* tau;         /* += optical thickness along the view axis, for the light */
+  float* tau;         /* optical thickness along the view axis, for the light */
+  int new_tau;        /* non-zero: tau is to be set, as what is there is old; else added to */
   int cut;            /* non-zero: regions or masks cut something here; enter is set as well */
   const float* enter; /* slice units; NULL: the whole run lies inside the box */
   const float* leave;

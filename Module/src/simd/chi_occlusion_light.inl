@@ -24,8 +24,10 @@ CHI_INLINE void shifted(const float* q, size_t stride, const float w[4], vf out[
  * the slab sees), and by the other half. Doc: theory/occlusion.md, Eq. 3.
  */
 CHI_INLINE int light_run(
-  const chi_light_segment* s, const int has_tau, const int has_geometry, const int weighted)
+  const chi_light_segment* segment, const int has_tau, const int has_geometry, const int weighted)
 {
+  /* A copy, which the stores cannot change. */
+  const chi_light_segment copy = *segment, *const s = &copy;
   vf sum[PARTS], half_tau[PARTS], geometry[PARTS];
   for (int k = 0; k < PARTS; ++k)
   {

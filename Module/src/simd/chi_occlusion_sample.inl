@@ -335,17 +335,25 @@ CHI_INLINE void composite_piece(
   chi_sample_row* row, sample_piece* piece, int x_begin, int count, const int general)
 {
   const chi_sample_frame* const s = row->frame;
+  int any_tau = row->any_tau;
   piece->listed = general ? piece->listed : 0;
   for (int i = 0; i < count; i += CHI_LANES)
   {
     const int x = x_begin + i;
     vf depth = vf_load(piece->depth + i);
+    if (row->new_tau)
+    {
+      vf_store(row->tau + x, depth);
+    }
     if (!vi_any(depth > 0.0f))
     {
       continue;
     }
-    row->any_tau = 1;
-    vf_store(row->tau + x, vf_load(row->tau + x) + depth);
+    any_tau = 1;
+    if (!row->new_tau)
+    {
+      vf_store(row->tau + x, vf_load(row->tau + x) + depth);
+    }
     /* The eye sees the part in front of the surface, and nothing where it is dark already. */
     if (row->surface)
     {
@@ -392,6 +400,7 @@ CHI_INLINE void composite_piece(
       vf_store(row->color[c] + x, vf_load(row->color[c] + x) + weight * color[c]);
     }
   }
+  row->any_tau = any_tau;
   if (!general && piece->listed)
   {
     integrate_listed(s, piece);
