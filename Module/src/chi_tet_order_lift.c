@@ -1,0 +1,628 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * A function that is linear in each tetrahedron, continuous, and convex across every face, is at
+ * any point x the greatest of its linear pieces there; along a ray towards x the values at x of the
+ * pieces that it passes increase. So they are keys. Which function, is free: |x|^2 for Delaunay
+ * meshes, any quadratic form for grids, whose cells' corners |x|^2 takes to one hyperplane.
+ */
+#include "chi_tet_order_internal.h"
+
+#include <math.h>
+
+enum
+{
+  ROUNDS = 12,     /* of the search for a form */
+  SAMPLE = 1 << 15 /* tetrahedra looked at in one of them */
+};
+
+/* Faces across which gradients differ by less than this share of the largest are tied: with planes
+ * to 2^-32 of it, keys there are wrong only where the eye is within 2^-32 / 2^-24 * 4 = 1/64 rad of
+ * the face's plane. */
+static const double TIE = 0x1p-24;
+
+typedef struct part /* what a chunk finds */
+{
+  double low[4], high[4]; /* of planes; or of points */
+  double covariance[6];
+  double worst, vector[6]; /* the constraint that is least fulfilled, of length 1 */
+  int64_t tied, wrong, flat;
+} part;
+
+typedef struct lift_job
+{
+  const chi_tet_mesh_view* mesh;
+  const uint32_t* neighbors;
+  chi_order_lift* lift;
+  part* parts;
+  size_t stride; /* of the sample */
+  double tie;
+  double middle[4], inverse[4]; /* plane to integers */
+  uint32_t* pairs;              /* those of tied faces, from starts of chunks; NULL */
+  size_t starts[CHI_ORDER_CHUNKS];
+} lift_job;
+
+/* A tetrahedron in the lift's coordinates, with what its plane is made of. */
+typedef struct simplex
+{
+  double y[4][3], h[4];
+  double edge[3][3], normal[3][3]; /* from vertex 0; e_j x e_k */
+  double volume, most;             /* six times; the sum of what it consists of */
+  double gradient[3];
+} simplex;
+
+static void lower(const chi_order_lift* lift, const double x[3], double y[3])
+{
+  const double d[3] = { x[0] - lift->center[0], x[1] - lift->center[1], x[2] - lift->center[2] };
+  for (int k = 0; k < 3; ++k)
+  {
+    y[k] =
+      lift->frame[3 * k] * d[0] + lift->frame[3 * k + 1] * d[1] + lift->frame[3 * k + 2] * d[2];
+  }
+}
+
+static void squares(const double y[3], double q[6])
+{
+  for (int k = 0; k < 3; ++k)
+  {
+    q[k] = y[k] * y[k];
+    q[3 + k] = y[k] * y[(k + 1) % 3];
+  }
+}
+
+static double dot(const double* a, const double* b, int n)
+{
+  double sum = 0;
+  for (int k = 0; k < n; ++k)
+  {
+    sum += a[k] * b[k];
+  }
+  return sum;
+}
+
+static double height(const chi_order_lift* lift, const double y[3])
+{
+  double q[6];
+  squares(y, q);
+  return dot(lift->form, q, 6);
+}
+
+/* 0 where it has no volume, or coordinates that are not finite. */
+static int raise_simplex(
+  const chi_order_lift* lift, const chi_tet_mesh_view* mesh, size_t t, simplex* s)
+{
+  double x[4][3];
+  chi_order_corners(mesh, t, x);
+  for (int i = 0; i < 4; ++i)
+  {
+    lower(lift, x[i], s->y[i]);
+    s->h[i] = height(lift, s->y[i]);
+  }
+  for (int i = 0; i < 3; ++i)
+  {
+    for (int k = 0; k < 3; ++k)
+    {
+      s->edge[i][k] = s->y[i + 1][k] - s->y[0][k];
+    }
+  }
+  s->volume = s->most = 0;
+  for (int i = 0; i < 3; ++i)
+  {
+    const double *const a = s->edge[(i + 1) % 3], *const b = s->edge[(i + 2) % 3];
+    for (int k = 0; k < 3; ++k)
+    {
+      const int l = (k + 1) % 3, m = (k + 2) % 3;
+      s->normal[i][k] = a[l] * b[m] - a[m] * b[l];
+      s->most += i == 0 ? fabs(s->edge[0][k]) * (fabs(a[l] * b[m]) + fabs(a[m] * b[l])) : 0;
+    }
+  }
+  s->volume = dot(s->edge[0], s->normal[0], 3);
+  for (int k = 0; k < 3; ++k)
+  {
+    s->gradient[k] =
+      ((s->h[1] - s->h[0]) * s->normal[0][k] + (s->h[2] - s->h[0]) * s->normal[1][k] +
+        (s->h[3] - s->h[0]) * s->normal[2][k]) /
+      s->volume;
+  }
+  return fabs(s->volume) > 16 * 0x1p-53 * s->most; /* else its sign is not known */
+}
+
+static void find_frame(void* data, size_t begin, size_t end)
+{
+  const lift_job* const it = (const lift_job*)data;
+  const size_t chunk = chi_order_chunk(it->mesh->count);
+  for (size_t c = begin; c < end; ++c)
+  {
+    part* const p = it->parts + c;
+    for (size_t t = c * chunk; t < it->mesh->count && t < (c + 1) * chunk; ++t)
+    {
+      double x[4][3], sum = 0;
+      chi_order_corners(it->mesh, t, x);
+      for (int i = 0; i < 12; ++i)
+      {
+        sum += 0 * x[i / 3][i % 3];
+      }
+      for (int i = 0; sum == 0 && i < 4; ++i) /* one that is not finite has no say */
+      {
+        double e[3], q[6];
+        for (int k = 0; k < 3; ++k)
+        {
+          p->low[k] = x[i][k] < p->low[k] ? x[i][k] : p->low[k];
+          p->high[k] = x[i][k] > p->high[k] ? x[i][k] : p->high[k];
+          e[k] = x[i][k] - x[0][k];
+        }
+        squares(e, q);
+        for (int k = 0; k < 6; ++k)
+        {
+          p->covariance[k] += q[k];
+        }
+      }
+    }
+  }
+}
+
+static void find_planes(void* data, size_t begin, size_t end)
+{
+  const lift_job* const it = (const lift_job*)data;
+  const size_t chunk = chi_order_chunk(it->mesh->count);
+  for (size_t c = begin; c < end; ++c)
+  {
+    part* const p = it->parts + c;
+    for (size_t t = c * chunk; t < it->mesh->count && t < (c + 1) * chunk; ++t)
+    {
+      simplex s;
+      if (!raise_simplex(it->lift, it->mesh, t, &s))
+      {
+        ++p->flat;
+        continue;
+      }
+      const double plane[4] = { s.gradient[0], s.gradient[1], s.gradient[2],
+        s.h[0] - dot(s.gradient, s.y[0], 3) };
+      for (int k = 0; k < 4; ++k)
+      {
+        p->low[k] = plane[k] < p->low[k] ? plane[k] : p->low[k];
+        p->high[k] = plane[k] > p->high[k] ? plane[k] : p->high[k];
+      }
+    }
+  }
+}
+
+/* The vertex of u that t does not have. */
+static size_t apex(const chi_tet_mesh_view* mesh, const uint32_t* neighbors, uint32_t t, uint32_t u)
+{
+  size_t i = 0;
+  while (i < 3 && neighbors[4 * (size_t)u + i] != t)
+  {
+    ++i;
+  }
+  return mesh->vertices[4 * (size_t)u + i];
+}
+
+/* By how much the apex of a neighbour lies above the plane of s: as a multiple of the form, in
+ * constraint, and of the lift as it is; the face's side; and the bounds of rounding. */
+static double rise(
+  const lift_job* it, const simplex* s, const double y[3], int i, double* distance, double* error)
+{
+  double away[3], normal[3], reach = 0;
+  const double* const on = s->y[i == 0 ? 1 : 0];
+  double from[3];
+  for (int k = 0; k < 3; ++k)
+  {
+    away[k] = y[k] - s->y[0][k];
+    from[k] = y[k] - on[k];
+    normal[k] = i ? s->normal[i - 1][k] : -(s->normal[0][k] + s->normal[1][k] + s->normal[2][k]);
+  }
+  const double up = height(it->lift, y) - s->h[0];
+  for (int j = 0; j < 3; ++j)
+  {
+    double size = 0;
+    for (int k = 0; k < 3; ++k)
+    {
+      size += fabs(s->normal[j][k] * away[k]);
+    }
+    reach += fabs(s->h[j + 1] - s->h[0]) * size;
+  }
+  /* a dozen roundings of each term, once more where the volume itself is small against its terms */
+  *error = 16 * 0x1p-53 * (fabs(up) + reach / fabs(s->volume) * (1 + s->most / fabs(s->volume)));
+  const double along = dot(normal, from, 3) * (s->volume > 0 ? -1 : 1);
+  *distance = along / sqrt(dot(normal, normal, 3));
+  return up - dot(s->gradient, away, 3);
+}
+
+/* The same as a linear function of the form: what has to be positive. Its size. */
+static double constrain(const simplex* s, const double y[3], double q[6])
+{
+  double away[3], corner[6];
+  for (int k = 0; k < 3; ++k)
+  {
+    away[k] = y[k] - s->y[0][k];
+  }
+  squares(away, q);
+  for (int j = 0; j < 3; ++j)
+  {
+    const double share = dot(s->normal[j], away, 3) / s->volume;
+    squares(s->edge[j], corner);
+    for (int k = 0; k < 6; ++k)
+    {
+      q[k] -= share * corner[k];
+    }
+  }
+  return sqrt(dot(q, q, 6));
+}
+
+static void judge_faces(void* data, size_t begin, size_t end)
+{
+  const lift_job* const it = (const lift_job*)data;
+  const size_t n = it->mesh->count, chunk = chi_order_chunk(n);
+  const double length = sqrt(dot(it->lift->form, it->lift->form, 6));
+  for (size_t c = begin; c < end; ++c)
+  {
+    part* const p = it->parts + c;
+    size_t at = it->starts[c];
+    for (size_t t = c * chunk; t < n && t < (c + 1) * chunk; t += it->stride)
+    {
+      const uint32_t* const near = it->neighbors + 4 * t;
+      simplex s;
+      int known = 0;
+      for (int i = 0; i < 4; ++i)
+      {
+        const uint32_t u = near[i];
+        /* of the two sides of a face the one of the lower index, unless few are looked at */
+        if (u >= n || (it->stride == 1 && u < t))
+        {
+          continue;
+        }
+        if (!known && !raise_simplex(it->lift, it->mesh, t, &s))
+        {
+          break;
+        }
+        known = 1;
+        double x[3], y[3], q[6], distance, error;
+        chi_view_get(&it->mesh->points, apex(it->mesh, it->neighbors, (uint32_t)t, u), x);
+        lower(it->lift, x, y);
+        const double up = rise(it, &s, y, i, &distance, &error);
+        const double least = error + it->tie * distance;
+        if (!(distance > 0) || up < -least)
+        {
+          ++p->wrong;
+        }
+        else if (!(up > least))
+        {
+          ++p->tied;
+          if (it->pairs)
+          {
+            it->pairs[2 * at] = (uint32_t)t;
+            it->pairs[2 * at++ + 1] = u;
+          }
+        }
+        if (!it->pairs)
+        {
+          const double size = constrain(&s, y, q), margin = dot(it->lift->form, q, 6);
+          if (size > 0 && margin / (size * length) < p->worst)
+          {
+            p->worst = margin / (size * length);
+            for (int k = 0; k < 6; ++k)
+            {
+              p->vector[k] = q[k] / size;
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+static void write_planes(void* data, size_t begin, size_t end)
+{
+  const lift_job* const it = (const lift_job*)data;
+  const size_t n = it->mesh->count, chunk = chi_order_chunk(n);
+  int32_t* const planes = (int32_t*)it->lift->planes.data;
+  for (size_t c = begin; c < end; ++c)
+  {
+    for (size_t t = c * chunk; t < n && t < (c + 1) * chunk; ++t)
+    {
+      simplex s;
+      const int is_solid = raise_simplex(it->lift, it->mesh, t, &s);
+      const double plane[4] = { s.gradient[0], s.gradient[1], s.gradient[2],
+        s.h[0] - dot(s.gradient, s.y[0], 3) };
+      for (size_t k = 0; k < 4; ++k)
+      {
+        const double v = is_solid ? (plane[k] - it->middle[k]) * it->inverse[k] : 0;
+        planes[k * n + t] = v > -INT32_MAX && v < INT32_MAX ? (int32_t)floor(v + 0.5) : 0;
+      }
+    }
+  }
+}
+
+static void clear(lift_job* job)
+{
+  for (size_t c = 0; c < CHI_ORDER_CHUNKS; ++c)
+  {
+    job->parts[c] = (part){ .worst = INFINITY };
+    for (int k = 0; k < 4; ++k)
+    {
+      job->parts[c].low[k] = INFINITY;
+      job->parts[c].high[k] = -INFINITY;
+    }
+  }
+}
+
+static part add_up(const lift_job* job)
+{
+  part sum = job->parts[0];
+  for (size_t c = 1; c < CHI_ORDER_CHUNKS; ++c)
+  {
+    const part* const p = job->parts + c;
+    for (int k = 0; k < 4; ++k)
+    {
+      sum.low[k] = p->low[k] < sum.low[k] ? p->low[k] : sum.low[k];
+      sum.high[k] = p->high[k] > sum.high[k] ? p->high[k] : sum.high[k];
+    }
+    for (int k = 0; k < 6; ++k)
+    {
+      sum.covariance[k] += p->covariance[k];
+    }
+    sum.tied += p->tied;
+    sum.wrong += p->wrong;
+    sum.flat += p->flat;
+    sum.worst = p->worst < sum.worst ? p->worst : sum.worst;
+  }
+  return sum;
+}
+
+static chi_status run(const chi_exec* exec, lift_job* job, chi_range_fn body, part* sum)
+{
+  clear(job);
+  const chi_status status = chi_for(exec, CHI_ORDER_CHUNKS, body, job);
+  *sum = add_up(job);
+  return status;
+}
+
+/* Coordinates in which edges are as long one way as another, and |x|^2 in them. */
+static void set_frame(chi_order_lift* lift, const part* p, size_t count)
+{
+  /* Cholesky: covariance = l l^T, rows below the diagonal; where it vanishes, as in flat meshes,
+   * any length does */
+  double l[9] = { 0 }, a[9];
+  const double trace = p->covariance[0] + p->covariance[1] + p->covariance[2];
+  const double least = trace > 0 ? 1e-12 * trace : 1;
+  for (int i = 0; i < 3; ++i)
+  {
+    lift->center[i] = p->low[i] <= p->high[i] ? 0.5 * p->low[i] + 0.5 * p->high[i] : 0;
+    a[4 * i] = p->covariance[i];
+    a[3 * i + (i + 1) % 3] = a[3 * ((i + 1) % 3) + i] = p->covariance[3 + i];
+  }
+  for (int i = 0; i < 3; ++i)
+  {
+    for (int j = 0; j <= i; ++j)
+    {
+      double s = a[3 * i + j];
+      for (int k = 0; k < j; ++k)
+      {
+        s -= l[3 * i + k] * l[3 * j + k];
+      }
+      l[3 * i + j] = i == j ? sqrt(s > least ? s : least) : s / l[4 * j];
+    }
+  }
+  const double unit = sqrt(3.0 * (double)count);
+  for (int j = 0; j < 3; ++j)
+  {
+    for (int i = 0; i < 3; ++i)
+    {
+      double s = i == j;
+      for (int k = 0; k < i; ++k)
+      {
+        s -= l[3 * i + k] / unit * lift->frame[3 * k + j];
+      }
+      lift->frame[3 * i + j] = s / (l[4 * i] / unit);
+    }
+  }
+  for (int k = 0; k < 3; ++k)
+  {
+    const int m = (k + 1) % 3;
+    lift->form[k] = lift->form[3 + k] = 0;
+    for (int i = 0; i < 3; ++i)
+    {
+      lift->form[k] += l[3 * i + k] * l[3 * i + k] / (unit * unit);
+      lift->form[3 + k] += 2 * l[3 * i + k] * l[3 * i + m] / (unit * unit);
+    }
+  }
+}
+
+/* The point of the vectors' convex hull that is nearest to the origin: as a form, the one whose
+ * least product with a vector is greatest for its length. Source: Gilbert, "An Iterative Procedure
+ * for Computing the Minimum of a Quadratic Form on a Convex Set", 1966. */
+static double separate(const double (*vectors)[6], size_t count, double form[6])
+{
+  memcpy(form, vectors[0], sizeof vectors[0]);
+  for (int step = 0; step < 4000; ++step)
+  {
+    size_t worst = 0;
+    double least = INFINITY;
+    for (size_t i = 0; i < count; ++i)
+    {
+      const double product = dot(form, vectors[i], 6);
+      worst = product < least ? i : worst;
+      least = product < least ? product : least;
+    }
+    const double square = dot(form, form, 6);
+    if (square - least <= 1e-3 * square)
+    {
+      break;
+    }
+    double to[6], share;
+    for (int k = 0; k < 6; ++k)
+    {
+      to[k] = vectors[worst][k] - form[k];
+    }
+    share = (square - least) / dot(to, to, 6);
+    for (int k = 0; k < 6; ++k)
+    {
+      form[k] += (share < 1 ? share : 1) * to[k];
+    }
+  }
+  return sqrt(dot(form, form, 6));
+}
+
+/* The largest gradient, for what a tie is. */
+static chi_status measure(const chi_exec* exec, lift_job* job, part* planes)
+{
+  const chi_status status = run(exec, job, find_planes, planes);
+  double most = 0;
+  for (int k = 0; k < 3; ++k)
+  {
+    most = fmax(most, fmax(planes->high[k], -planes->low[k]));
+  }
+  job->tie = TIE * most;
+  return status;
+}
+
+/* A form whose lift is strictly convex across all faces of the sample, then across those of all
+ * that fail: vectors of failing faces are gathered until one form separates them. 0: none. */
+static chi_status search(const chi_exec* exec, lift_job* job, double form[6], int* found)
+{
+  static const size_t most = ROUNDS * CHI_ORDER_CHUNKS;
+  chi_buffer gathered = { 0 };
+  if (!chi_buffer_reserve(exec, &gathered, most, 6 * sizeof(double)))
+  {
+    return CHI_ERROR_OUT_OF_MEMORY;
+  }
+  double(*const vectors)[6] = (double(*)[6])gathered.data;
+  size_t count = 0;
+  chi_status status = CHI_OK;
+  *found = 0;
+  for (int round = 0; round < ROUNDS && status == CHI_OK; ++round)
+  {
+    part sum;
+    job->stride = round < ROUNDS - 3 && !*found ? job->mesh->count / SAMPLE + 1 : 1;
+    status = run(exec, job, judge_faces, &sum);
+    if (count && sum.worst > 1e-9) /* separates by far more than the vectors' rounding */
+    {
+      if (*found)
+      {
+        break;
+      }
+      *found = 1;
+      continue; /* and the rest of the faces? */
+    }
+    const size_t had = count;
+    for (size_t c = 0; c < CHI_ORDER_CHUNKS; ++c)
+    {
+      if (job->parts[c].worst < 0.5 * fabs(sum.worst) + 1e-3)
+      {
+        memcpy(vectors[count++], job->parts[c].vector, sizeof vectors[0]);
+      }
+    }
+    *found = *found && count > had;
+    if (count == had || separate((const double(*)[6])vectors, count, job->lift->form) < 1e-7)
+    {
+      *found = 0;
+      break;
+    }
+  }
+  memcpy(form, job->lift->form, 6 * sizeof *form);
+  job->stride = 1;
+  chi_buffer_free(exec, &gathered);
+  return status;
+}
+
+static chi_status judge(const chi_exec* exec, lift_job* job, part* planes, part* faces)
+{
+  chi_status status = measure(exec, job, planes);
+  if (status == CHI_OK)
+  {
+    status = run(exec, job, judge_faces, faces);
+  }
+  return status;
+}
+
+static chi_status gather_ties(
+  const chi_exec* exec, lift_job* job, const chi_order_adjacency* adjacency)
+{
+  chi_order_lift* const lift = job->lift;
+  chi_buffer pairs = { 0 };
+  size_t at = 0;
+  for (size_t c = 0; c < CHI_ORDER_CHUNKS; ++c)
+  {
+    job->starts[c] = at;
+    at += (size_t)job->parts[c].tied;
+  }
+  if (!chi_buffer_reserve(exec, &pairs, at, 2 * sizeof(uint32_t)))
+  {
+    return CHI_ERROR_OUT_OF_MEMORY;
+  }
+  part sum;
+  job->pairs = (uint32_t*)pairs.data;
+  chi_status status = run(exec, job, judge_faces, &sum);
+  job->pairs = NULL;
+  if (status == CHI_OK)
+  {
+    status =
+      chi_order_groups_build(exec, lift, job->mesh, adjacency, (const uint32_t*)pairs.data, at);
+  }
+  chi_buffer_free(exec, &pairs);
+  return status;
+}
+
+chi_status chi_order_lift_find(const chi_exec* exec, chi_order_lift* lift,
+  const chi_tet_mesh_view* mesh, const chi_order_adjacency* adjacency, int general)
+{
+  part parts[CHI_ORDER_CHUNKS], sum, planes, faces;
+  lift_job job = { .mesh = mesh,
+    .neighbors = (const uint32_t*)adjacency->neighbors.data,
+    .lift = lift,
+    .parts = parts,
+    .stride = 1 };
+  chi_status status = run(exec, &job, find_frame, &sum);
+  if (status != CHI_OK)
+  {
+    return status;
+  }
+  set_frame(lift, &sum, mesh->count);
+  status = judge(exec, &job, &planes, &faces);
+  /* a thousandth tied is what repairing them costs less than a search */
+  if (status == CHI_OK && general && (faces.wrong > 0 || faces.tied > adjacency->interior / 1000))
+  {
+    double first[6], form[6];
+    int found = 0;
+    memcpy(first, lift->form, sizeof first);
+    status = search(exec, &job, form, &found);
+    memcpy(lift->form, found ? form : first, sizeof first);
+    if (status == CHI_OK)
+    {
+      status = judge(exec, &job, &planes, &faces);
+    }
+  }
+  if (status != CHI_OK)
+  {
+    return status;
+  }
+  lift->tied = faces.tied;
+  lift->wrong = faces.wrong;
+  lift->usable = faces.wrong == 0 && planes.flat == 0;
+  if (!chi_buffer_reserve(exec, &lift->planes, 4 * mesh->count, sizeof(int32_t)))
+  {
+    return CHI_ERROR_OUT_OF_MEMORY;
+  }
+  for (int k = 0; k < 4; ++k)
+  {
+    const double half =
+      planes.low[k] <= planes.high[k] ? 0.5 * (planes.high[k] - planes.low[k]) : 0;
+    job.middle[k] = half > 0 ? planes.low[k] + half : 0;
+    job.inverse[k] = half > 0 ? (INT32_MAX - 1) / half : 0;
+    lift->scale[k] = half / (INT32_MAX - 1);
+  }
+  status = chi_for(exec, CHI_ORDER_CHUNKS, write_planes, &job);
+  if (status == CHI_OK && general && lift->usable && lift->tied > 0)
+  {
+    status = gather_ties(exec, &job, adjacency);
+  }
+  return status;
+}
+
+void chi_order_lift_free(const chi_exec* exec, chi_order_lift* lift)
+{
+  chi_buffer_free(exec, &lift->planes);
+  chi_buffer_free(exec, &lift->groups);
+  chi_buffer_free(exec, &lift->members);
+}

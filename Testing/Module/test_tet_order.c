@@ -1,0 +1,177 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+
+/* Visibility orders against all pairs of tetrahedra on the rays of all pixels, found by the slow
+ * path that shares no code with the library. Counts have no tolerance: an order is right or not. */
+
+#include "tet_order_meshes.h"
+
+enum
+{
+  SIZE = 24 /* pixels a side: an odd step against cells, so that rays differ */
+};
+
+/* Violations of all views together; the last info. */
+static long judge_views(const order_mesh* m, int method, chi_tet_order_info* info)
+{
+  const chi_tet_mesh_view mesh = order_mesh_view(m);
+  uint32_t* const keys = malloc((m->count + 1) * sizeof *keys);
+  chi_tet_order* order = NULL;
+  long wrong = 0;
+  int64_t cycles = 0;
+  CHECK(chi_tet_order_create(NULL, &mesh, method, &order) == CHI_OK);
+  for (int view = 0; order && view <= TET_VIEW_INSIDE; ++view)
+  {
+    for (int parallel = 0; parallel <= (view != TET_VIEW_INSIDE); ++parallel)
+    {
+      const chi_camera camera = tet_view(view, parallel, SIZE);
+      const chi_tet_order_view from = { sizeof from, &camera, NULL };
+      int32_t bits = 0;
+      CHECK(chi_tet_order_keys(NULL, order, &from, keys, &bits) == CHI_OK);
+      CHECK(bits > 0 && bits <= 32);
+      for (size_t t = 0; t < m->count; ++t)
+      {
+        CHECK(bits == 32 || keys[t] >> bits == 0);
+      }
+      const long here = order_judge(m, &camera, keys, 1);
+      wrong += here;
+      /* the library's own judge looks at neighbours alone, as this one can */
+      int64_t violations = -1;
+      CHECK(chi_tet_order_violations(NULL, &mesh, &from, keys, &violations) == CHI_OK);
+      CHECK(violations == order_judge(m, &camera, keys, 0));
+      chi_tet_order_get_info(order, info);
+      cycles += info->cycles;
+    }
+  }
+  info->cycles = cycles;
+  chi_tet_order_destroy(NULL, order);
+  free(keys);
+  return wrong;
+}
+
+/* |x|^2 ties within cubes; the lift that is found does not. */
+static void split_cubes_have_a_lift(void)
+{
+  order_mesh m = order_mesh_cubes(4, 0, 1);
+  chi_tet_order_info info;
+  CHECK(judge_views(&m, CHI_TET_ORDER_AUTO, &info) == 0);
+  CHECK(info.used == CHI_TET_ORDER_TANGENTIAL && info.lift == 1);
+  CHECK(info.tied_faces == 0 && info.wrong_faces == 0);
+  /* 64 cubes: 24 faces a cube, 12 on each side of the box twice over */
+  CHECK(info.boundary_faces == 6 * 2 * 16 && info.interior_faces == (4 * 384 - 192) / 2);
+  CHECK(info.pieces == 1 && info.convex == 1 && info.bad_faces == 0);
+  CHECK(judge_views(&m, CHI_TET_ORDER_TANGENTIAL, &info) > 0);
+  CHECK(info.tied_faces == 6 * 64 && info.lift == 0);
+  CHECK(judge_views(&m, CHI_TET_ORDER_MPVO, &info) == 0);
+  CHECK(info.cycles == 0);
+  order_mesh_free(&m);
+}
+
+/* Stretched and sheared: the form follows. */
+static void sheared_cubes_have_a_lift(void)
+{
+  order_mesh m = order_mesh_cubes(4, 0, 1);
+  for (size_t i = 0; i < m.point_count; ++i)
+  {
+    double* const p = m.points[i];
+    const double x = p[0], y = p[1], z = p[2];
+    p[0] = 0.5 * x + 0.4 * y + 0.1 * z;
+    p[1] = 0.3 * y + 0.2 * z;
+    p[2] = 0.02 * z;
+  }
+  chi_tet_order_info info;
+  CHECK(judge_views(&m, CHI_TET_ORDER_AUTO, &info) == 0);
+  CHECK(info.lift == 1);
+  order_mesh_free(&m);
+}
+
+/* One cube, its faces' diagonals by lot: no form separates them all, so that halves of pyramids
+ * stay tied, in pairs. */
+static void ties_are_told_apart_by_their_faces(void)
+{
+  order_mesh m = order_mesh_centered(1, 5);
+  chi_tet_order_info info;
+  CHECK(judge_views(&m, CHI_TET_ORDER_AUTO, &info) == 0);
+  CHECK(info.lift == 1 && info.used == CHI_TET_ORDER_TANGENTIAL);
+  CHECK(info.tied_faces == 6 && info.wrong_faces == 0);
+  CHECK(judge_views(&m, CHI_TET_ORDER_TANGENTIAL, &info) > 0);
+  order_mesh_free(&m);
+}
+
+/* Points moved so far that no form is right, and not yet so far that cells fold. */
+static void moved_points_are_sorted_by_their_faces(void)
+{
+  order_mesh m = order_mesh_cubes(4, 0.48, 3);
+  chi_tet_order_info info;
+  CHECK(judge_views(&m, CHI_TET_ORDER_AUTO, &info) == 0);
+  CHECK(info.used == CHI_TET_ORDER_MPVO && info.convex == 1 && info.cycles == 0);
+  CHECK(judge_views(&m, CHI_TET_ORDER_CENTROID, &info) > 0);
+  CHECK(judge_views(&m, CHI_TET_ORDER_MPVO, &info) == 0);
+  order_mesh_free(&m);
+}
+
+/* A third of the cubes is missing: faces alone do not tell, the pixels' gaps do. */
+static void gaps_are_looked_up_at_pixels(void)
+{
+  for (uint32_t seed = 1; seed <= 3; ++seed)
+  {
+    order_mesh m = order_mesh_cubes(4, seed == 3 ? 0.3 : 0, seed);
+    order_mesh_thin(&m, seed == 2 ? 0.8 : 0.33, seed);
+    chi_tet_order_info info;
+    CHECK(judge_views(&m, CHI_TET_ORDER_AUTO, &info) == 0);
+    CHECK(info.used == CHI_TET_ORDER_XMPVO && info.convex == 0 && info.cycles == 0);
+    CHECK(seed != 2 || info.pieces > 1);
+    CHECK(judge_views(&m, CHI_TET_ORDER_MPVO, &info) > 0);
+    order_mesh_free(&m);
+  }
+}
+
+/* Three long tetrahedra, each over the next: no order is right, one is given, and it is counted. */
+static void a_cycle_is_counted_and_broken(void)
+{
+  order_mesh m = order_mesh_room(12, 3);
+  for (uint32_t t = 0; t < 3; ++t)
+  {
+    const double a = 2.0943951023931953 * t; /* a third of a turn */
+    for (uint32_t k = 0; k < 4; ++k)
+    {
+      /* a bar along the triangle's side, rising from one end to the other */
+      const double along = k < 2 ? -0.9 : 0.9, wide = k % 2 ? 0.12 : -0.12;
+      const double x = along, y = -0.3 + (k < 2 ? wide : 0), z = 0.5 * along + (k < 2 ? 0 : wide);
+      double* const p = m.points[4 * t + k];
+      p[0] = x * cos(a) - y * sin(a);
+      p[1] = x * sin(a) + y * cos(a);
+      p[2] = z;
+      m.vertices[t][k] = 4 * t + k;
+    }
+  }
+  order_mesh_orient(&m);
+  const chi_tet_mesh_view mesh = order_mesh_view(&m);
+  const chi_camera camera = tet_view(TET_VIEW_AXIS, 1, 64);
+  const chi_tet_order_view from = { sizeof from, &camera, NULL };
+  chi_tet_order* order = NULL;
+  chi_tet_order_info info;
+  uint32_t keys[3] = { 9, 9, 9 };
+  int32_t bits;
+  int64_t violations = 0;
+  CHECK(chi_tet_order_create(NULL, &mesh, CHI_TET_ORDER_AUTO, &order) == CHI_OK);
+  CHECK(chi_tet_order_keys(NULL, order, &from, keys, &bits) == CHI_OK);
+  chi_tet_order_get_info(order, &info);
+  CHECK(info.pieces == 3 && info.cycles == 1 && bits == 2);
+  CHECK((1u << keys[0] | 1u << keys[1] | 1u << keys[2]) == 7);
+  CHECK(chi_tet_order_violations(NULL, &mesh, &from, keys, &violations) == CHI_OK);
+  CHECK(violations > 0 && violations == order_judge(&m, &camera, keys, 0));
+  chi_tet_order_destroy(NULL, order);
+  order_mesh_free(&m);
+}
+
+int main(void)
+{
+  split_cubes_have_a_lift();
+  sheared_cubes_have_a_lift();
+  ties_are_told_apart_by_their_faces();
+  moved_points_are_sorted_by_their_faces();
+  gaps_are_looked_up_at_pixels();
+  a_cycle_is_counted_and_broken();
+  return chi_test_report();
+}
