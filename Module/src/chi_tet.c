@@ -436,7 +436,7 @@ static chi_status look(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* 
   {
     const chi_tet_mesh_view mesh = { sizeof mesh, tet->mesh.all_points,
       (const uint32_t*)tet->mesh.vertices.data, tet->mesh.counts.tetrahedra };
-    status = chi_tet_order_create(exec, &mesh, CHI_TET_ORDER_CENTROID, &tet->order);
+    status = chi_tet_order_create(exec, &mesh, f->params->order, &tet->order);
   }
   if (status == CHI_OK &&
     !chi_buffer_reserve(exec, &tet->bins.keys, tet->mesh.counts.tetrahedra, sizeof(uint32_t)))
@@ -811,5 +811,26 @@ chi_status chi_tet_find_cells(const chi_exec* exec, chi_tet* tet, const chi_tet_
     status = chi_tet_draw(exec, &tet->bins, &scene, &pass, &tally);
   }
   tet->stats = stats;
+  return status;
+}
+
+chi_status chi_tet_count_violations(
+  const chi_exec* exec, chi_tet* tet, const chi_tet_frame* frame, int64_t* violations)
+{
+  own_frame own;
+  if (!tet || !violations)
+  {
+    return CHI_ERROR_INVALID_ARGUMENT;
+  }
+  chi_status status = adopt(&own, frame);
+  status = status == CHI_OK ? prepare(exec, tet, &own.frame) : status;
+  if (status == CHI_OK)
+  {
+    const chi_tet_mesh_view mesh = { sizeof mesh, tet->mesh.all_points,
+      (const uint32_t*)tet->mesh.vertices.data, tet->mesh.counts.tetrahedra };
+    const chi_tet_order_view view = { sizeof view, own.frame.camera, own.frame.grid_to_world };
+    status = chi_tet_order_violations(
+      exec, &mesh, &view, (const uint32_t*)tet->bins.keys.data, violations);
+  }
   return status;
 }

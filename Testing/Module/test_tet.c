@@ -316,8 +316,35 @@ static void what_was_described_is_still_to_be_drawn(void)
   tet_mesh_free(mesh);
 }
 
+/* A grid flattened by its matrix: centroids are in the wrong order somewhere, what is found
+ * automatically nowhere. */
+static void violations_are_those_of_the_order_asked_for(void)
+{
+  static const double flat[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0.1, 0, 0, 0, 0, 1 };
+  tet_mesh* const mesh = tet_mesh_cubes(4, TET_RAMP);
+  scene s;
+  make_scene(&s, mesh, TET_VIEW_OBLIQUE, 0, 64);
+  s.frame.grid_to_world = flat;
+  chi_tet* tet;
+  chi_tet_stats stats;
+  int64_t count = -1;
+  CHECK(chi_tet_create(NULL, &tet) == CHI_OK);
+  s.params.order = CHI_TET_ORDER_CENTROID;
+  CHECK(chi_tet_count_violations(NULL, tet, &s.frame, &count) == CHI_OK && count > 0);
+  s.params.order = CHI_TET_ORDER_AUTO;
+  CHECK(chi_tet_count_violations(NULL, tet, &s.frame, &count) == CHI_OK && count == 0);
+  CHECK(chi_tet_render(NULL, tet, &s.frame) == CHI_OK);
+  chi_tet_get_stats(tet, &stats);
+  CHECK(stats.order.used == CHI_TET_ORDER_TANGENTIAL && stats.order.lift == 1);
+  CHECK(chi_tet_count_violations(NULL, tet, &s.frame, NULL) == CHI_ERROR_INVALID_ARGUMENT);
+  CHECK(chi_tet_count_violations(NULL, NULL, &s.frame, &count) == CHI_ERROR_INVALID_ARGUMENT);
+  chi_tet_destroy(NULL, tet);
+  tet_mesh_free(mesh);
+}
+
 int main(void)
 {
+  violations_are_those_of_the_order_asked_for();
   what_was_described_is_still_to_be_drawn();
   a_ramp_is_lit_as_one();
   kept_fragments_give_the_same_picture();

@@ -198,6 +198,16 @@ CHI_API void chi_tet_get_stats(const chi_tet* tet, chi_tet_stats* stats);
 CHI_API CHI_NODISCARD chi_status chi_tet_find_cells(const chi_exec* exec, chi_tet* tet,
   const chi_tet_frame* frame, double opacity, int64_t* cells, float* depths);
 
+/**
+ * Count the violations of the frame's visibility order: neighbouring pairs of tetrahedra on the ray
+ * of a pixel whose depth intervals are disjoint by more than 1e-9 of the extent, and which are
+ * drawn in the wrong order. A slow path.
+ *
+ * @retval as of chi_tet_render
+ */
+CHI_API CHI_NODISCARD chi_status chi_tet_count_violations(
+  const chi_exec* exec, chi_tet* tet, const chi_tet_frame* frame, int64_t* violations);
+
 /** What another engine needs to draw the same frame; owned by the handle, valid until its next
  * call.
  */
