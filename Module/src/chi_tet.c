@@ -439,7 +439,7 @@ static chi_status look(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* 
     status = chi_tet_order_create(exec, &mesh, f->params->order, &tet->order);
   }
   if (status == CHI_OK &&
-    !chi_buffer_reserve(exec, &tet->bins.keys, tet->mesh.counts.tetrahedra, sizeof(uint32_t)))
+    !chi_buffer_reserve(exec, &tet->bins.keys, tet->mesh.counts.tetrahedra + 1, sizeof(uint32_t)))
   {
     status = CHI_ERROR_OUT_OF_MEMORY;
   }
