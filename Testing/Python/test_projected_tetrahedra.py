@@ -275,7 +275,7 @@ class State(unittest.TestCase):
         prop = extinction(ramp=((0.0, 0.0), (0.3, 0.0), (1.0, 1.0)), unit=0.02)
         scene = TetScene(cube(8, field=field), prop)
         scene.look(OBLIQUE, half=0.7, parallel=False)
-        scene.renderer.AddActor(square(5.0, 0.1) # all of the tile)
+        scene.renderer.AddActor(square(5.0, 0.1)) # all of the tile
         plane = vtkPlane()
         plane.SetOrigin(0.0, 0.2, 0.0)
         plane.SetNormal(0.0, -1.0, 0.0)

@@ -457,7 +457,7 @@ class BadInput(unittest.TestCase):
 
     def test_cells_of_unknown_types(self):
         data = cube(2)
-        data.InsertNextCell(68, 8, list(range(8))) # VTK_LAGRANGE_CURVE ... of high order
+        data.InsertNextCell(72, 8, list(range(8))) # VTK_LAGRANGE_HEXAHEDRON
         scene = self.assert_says(data, ("vtkUnstructuredGrid", "not split"), error=False, drawn=True)
         self.assertEqual(scene.mapper.GetNumberOfUnsupportedCells(), 1)
 
