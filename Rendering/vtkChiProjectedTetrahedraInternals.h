@@ -53,7 +53,7 @@ struct vtkChiProjectedTetrahedraMapper::Internals
   vtkChiSelection Selection;
   std::vector<std::int64_t> FoundCells; // of the selection that is under way
   bool LastMerged = false;
-  double FullSeconds = 0.0; // what the last frame drawn would have taken at full size
+  double FullSeconds = 0.0;  // what the last frame drawn would have taken at full size
   std::vector<float> Merged; // the picture fitted in between other mappers' pictures
 
   double FiniteBounds[6] = {}; // of the input's points that are finite

@@ -515,7 +515,8 @@ void vtkChiProjectedTetrahedraMapper::Report()
   {
     this->TimeToDraw = in.SecondsTotal;
     const int reduction = std::max(in.Params.reduction, 1);
-    in.FullSeconds = stats.seconds_draw * reduction * reduction + in.SecondsTotal - stats.seconds_draw;
+    in.FullSeconds =
+      stats.seconds_draw * reduction * reduction + in.SecondsTotal - stats.seconds_draw;
   }
   const std::string mesh = std::string("the input (") + in.Input->GetClassName() + ")";
   if (stats.grid.unsupported_cells > 0)

@@ -340,6 +340,13 @@ public:
   vtkIdType GetNumberOfCycles();
   ///@}
 
+  /**
+   * Count, now, the pairs of tetrahedra in the last frame that follow each other on the ray of a
+   * pixel, lie apart by more than 1e-9 of the extent, and were drawn in the wrong order. All pixels
+   * are looked at, slowly. -1 where nothing has been drawn.
+   */
+  vtkIdType GetNumberOfOrderViolations();
+
   ///@{
   /**
    * Wall-clock seconds of the last frame, stage by stage: looking at inputs and transfer functions;

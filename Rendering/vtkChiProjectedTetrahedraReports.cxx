@@ -27,6 +27,25 @@ bool vtkChiProjectedTetrahedraMapper::GetFloatImage(vtkImageData* image)
 }
 
 //------------------------------------------------------------------------------
+vtkIdType vtkChiProjectedTetrahedraMapper::GetNumberOfOrderViolations()
+{
+  Internals& in = *this->Internal;
+  if (!in.Drawn || !in.Collected)
+  {
+    return -1;
+  }
+  const vtkChiExec exec(nullptr);
+  std::int64_t violations = -1;
+  const chi_status status = in.Engine.CountViolations(exec.Get(), in.MakeFrame(), &violations);
+  if (status != CHI_OK)
+  {
+    vtkErrorMacro("the order of the tetrahedra was not looked at: " << chi_status_string(status));
+    return -1;
+  }
+  return static_cast<vtkIdType>(violations);
+}
+
+//------------------------------------------------------------------------------
 vtkIdType vtkChiProjectedTetrahedraMapper::GetNumberOfSkipped(int kind)
 {
   for (int k = 1; k < CHI_TET_SKIP_KINDS; ++k)
@@ -76,7 +95,8 @@ CHI_REPORT(bool, ReusedLastFrame, stats.reused != 0)
 //------------------------------------------------------------------------------
 int vtkChiProjectedTetrahedraMapper::GetUsedImageReduction()
 {
-  return this->Internal->Drawn ? std::max(this->Internal->Params.reduction, 1) : this->ImageReduction;
+  return this->Internal->Drawn ? std::max(this->Internal->Params.reduction, 1)
+                               : this->ImageReduction;
 }
 double vtkChiProjectedTetrahedraMapper::GetSecondsCollect()
 {

@@ -55,3 +55,12 @@ chi_status vtkChiTetEngine::FindCells(const chi_exec* exec, const chi_tet_frame&
   return status == CHI_OK ? chi_tet_find_cells(exec, this->Core, &frame, opacity, cells, depths)
                           : status;
 }
+
+//------------------------------------------------------------------------------
+chi_status vtkChiTetEngine::CountViolations(
+  const chi_exec* exec, const chi_tet_frame& frame, std::int64_t* violations)
+{
+  this->KeepImage();
+  const chi_status status = this->Prepare(exec);
+  return status == CHI_OK ? chi_tet_count_violations(exec, this->Core, &frame, violations) : status;
+}

@@ -18,10 +18,12 @@ public:
   void operator=(const vtkChiTetEngine&) = delete;
 
   // Status and statistics are those of chi_tet_render, and of chi_tet_find_cells, which takes no
-  // picture away here.
+  // picture away here, and chi_tet_count_violations.
   chi_status Render(const chi_exec* exec, const chi_tet_frame& frame);
   chi_status FindCells(const chi_exec* exec, const chi_tet_frame& frame, double opacity,
     std::int64_t* cells, float* depths);
+  chi_status CountViolations(
+    const chi_exec* exec, const chi_tet_frame& frame, std::int64_t* violations);
 
   const chi_tet_stats& GetStats() const { return this->Stats; }
   // Without floats before the first picture, and after one that failed.

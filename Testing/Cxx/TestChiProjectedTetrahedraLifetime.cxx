@@ -102,6 +102,7 @@ int TestChiProjectedTetrahedraLifetime(int, char*[])
   vtkNew<vtkImageData> image;
   claim(!mapper->GetFloatImage(image), "there is no picture before the first frame");
   claim(image->GetNumberOfPoints() == 0, "and the image is empty then");
+  claim(mapper->GetNumberOfOrderViolations() == -1, "and no order");
 
   // the window goes first: the picture stays
   {
@@ -110,6 +111,7 @@ int TestChiProjectedTetrahedraLifetime(int, char*[])
     claim(mapper->GetNumberOfTetrahedra() > 6, "of tetrahedra");
   }
   claim(mapper->GetFloatImage(image), "the picture outlives its window");
+  claim(mapper->GetNumberOfOrderViolations() == 0, "so does the order");
 
   // two windows in turn, one of them closed in between
   {
@@ -157,6 +159,7 @@ int TestChiProjectedTetrahedraLifetime(int, char*[])
   {
     Scene scene(mapper);
     mapper->RemoveAllInputs();
+    claim(mapper->GetNumberOfOrderViolations() == 0, "the order of a mesh that is gone");
     mapper->SetInputData(makeMesh());
   }
 

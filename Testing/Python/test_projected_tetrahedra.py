@@ -273,9 +273,9 @@ class State(unittest.TestCase):
     def test_no_skipping_changes_a_pixel_by_more_than_a_step(self):
         field = lambda x, y, z: np.maximum(x + y, 0.0)
         prop = extinction(ramp=((0.0, 0.0), (0.3, 0.0), (1.0, 1.0)), unit=0.02)
-        scene = TetScene(cube(8, field=field), prop)
+        scene = TetScene(cube(8, field=field), prop, size=(256, 256)) # 16 tiles
         scene.look(OBLIQUE, half=0.7, parallel=False)
-        scene.renderer.AddActor(square(5.0, 0.1)) # all of the tile
+        scene.renderer.AddActor(square(5.0, 0.1)) # all pixels
         plane = vtkPlane()
         plane.SetOrigin(0.0, 0.2, 0.0)
         plane.SetNormal(0.0, -1.0, 0.0)
@@ -314,6 +314,14 @@ class State(unittest.TestCase):
         self.assertGreater(parts, 0.0)
         self.assertLessEqual(parts, mapper.GetSecondsTotal() * 1.001)
         self.assertIn("OpacityConvention: Linear", str(mapper))
+
+    def test_the_order_of_a_convex_mesh_has_no_violation(self):
+        scene = even_cube(4)
+        self.assertEqual(scene.mapper.GetNumberOfOrderViolations(), -1) # nothing drawn yet
+        before = scene.rgba()
+        self.assertEqual(scene.mapper.GetNumberOfOrderViolations(), 0)
+        self.assertEqual(scene.mapper.GetNumberOfCycles(), 0)
+        np.testing.assert_array_equal(float_image(scene.mapper), before) # counting takes nothing away
 
 
 if __name__ == "__main__":
