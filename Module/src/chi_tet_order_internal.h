@@ -62,6 +62,13 @@ typedef struct chi_order_shape
 chi_status chi_order_shape_find(const chi_exec* exec, chi_order_shape* shape,
   const chi_tet_mesh_view* mesh, const chi_order_adjacency* adjacency);
 
+/* A plane too steep for the integers of the others, in their units. */
+typedef struct chi_order_outlier
+{
+  double plane[4];
+  uint32_t t;
+} chi_order_outlier;
+
 /* A function that is linear within each tetrahedron, of which the key is the value at the eye. */
 typedef struct chi_order_lift
 {
@@ -71,7 +78,8 @@ typedef struct chi_order_lift
   chi_buffer planes;          /* int32 [4 x tetrahedra]: gradient, value at the center */
   chi_buffer groups;          /* uint32 [group_count + 1] where its members start */
   chi_buffer members;         /* chi_order_member [member_count] */
-  size_t group_count, member_count;
+  chi_buffer outliers;        /* chi_order_outlier [outlier_count] */
+  size_t group_count, member_count, outlier_count;
   int64_t tied, wrong; /* faces */
   int32_t usable;      /* faces that are not told apart lie within small groups, none is wrong */
 } chi_order_lift;

@@ -4,6 +4,11 @@
 
 #include <math.h>
 
+enum
+{
+  TAIL = 1 << 26 /* keys beyond the range of all but outliers, at either end */
+};
+
 typedef struct key_job
 {
   const chi_tet_mesh_view* mesh;
@@ -69,6 +74,34 @@ static void evaluate(void* data, size_t begin, size_t end)
   }
 }
 
+/* A number of 1 or more as one below 1: a 64th for every power of 2, linear between them. */
+static double squeeze(double x)
+{
+  int power;
+  const double share = frexp(x, &power);
+  return power < 64 ? (power - 1 + (2 * share - 1)) / 64 : 1;
+}
+
+/* Outliers within the range of the others are keyed as they are, those beyond it in its tails. */
+static void place_outliers(const chi_order_lift* lift, const key_job* job, double most)
+{
+  const chi_order_outlier* const outliers = (const chi_order_outlier*)lift->outliers.data;
+  for (size_t i = 0; i < lift->outlier_count; ++i)
+  {
+    double key = 0;
+    for (int k = 0; k < 4; ++k)
+    {
+      key += job->factor[k] * outliers[i].plane[k];
+    }
+    const double size = fabs(key);
+    if (!(size <= most))
+    {
+      key = copysign(most + TAIL * (size < INFINITY ? squeeze(size / most) : 1), key);
+    }
+    job->keys[outliers[i].t] = (uint32_t)(int32_t)(job->base + key) ^ 0x80000000u;
+  }
+}
+
 chi_status chi_order_lift_keys(const chi_exec* exec, const chi_order_lift* lift,
   const chi_tet_mesh_view* mesh, const chi_order_eye* eye, uint32_t* keys)
 {
@@ -87,15 +120,17 @@ chi_status chi_order_lift_keys(const chi_exec* exec, const chi_order_lift* lift,
       lift->scale[k] * (k == 3 ? !eye->parallel : f[0] * away[0] + f[1] * away[1] + f[2] * away[2]);
     range += fabs(job.factor[k]);
   }
-  /* all planes within +- (2^31 - 2), all keys within 2^31 - CHI_ORDER_GROUP - 2: groups need room
-   */
-  const double scale = range > 0 ? (0x1p31 - CHI_ORDER_GROUP - 2) / ((0x1p31 - 1) * range) : 0;
+  /* all planes within +- (2^31 - 2), all keys within 2^31 - CHI_ORDER_GROUP - 2: groups need room;
+   * a 32nd of the keys at either end is for outliers */
+  const double most = 0x1p31 - CHI_ORDER_GROUP - 2 - (lift->outlier_count ? TAIL : 0);
+  const double scale = range > 0 ? most / ((0x1p31 - 1) * range) : 0;
   for (int k = 0; k < 4; ++k)
   {
     job.factor[k] *= scale;
   }
   job.base = -0.5 * CHI_ORDER_GROUP;
   const chi_status status = chi_for(exec, CHI_ORDER_CHUNKS, evaluate, &job);
+  place_outliers(lift, &job, most);
   return status == CHI_OK && lift->group_count
     ? chi_order_groups_repair(exec, lift, mesh, eye, keys)
     : status;

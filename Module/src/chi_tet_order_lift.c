@@ -12,21 +12,27 @@
 
 enum
 {
-  ROUNDS = 12,     /* of the search for a form */
-  SAMPLE = 1 << 15 /* tetrahedra looked at in one of them */
+  ROUNDS = 12,      /* of the search for a form */
+  SAMPLE = 1 << 15, /* tetrahedra looked at in one of them */
+  SIZES = 64,       /* powers of 2 that planes are counted by, */
+  LEAST = -16,      /* from this one */
+  SHARE = 64        /* one plane of so many may be an outlier */
 };
 
 /* Faces across which gradients differ by less than this share of the largest are tied: with planes
  * to 2^-32 of it, keys there are wrong only where the eye is within 2^-32 / 2^-24 * 4 = 1/64 rad of
  * the face's plane. */
 static const double TIE = 0x1p-24;
+/* Of outliers, whose keys are known to 2^-20 of their own size. */
+static const double FAR_TIE = 0x1p-14;
 
 typedef struct part /* what a chunk finds */
 {
   double low[4], high[4]; /* of planes; or of points */
   double covariance[6];
   double worst, vector[6]; /* the constraint that is least fulfilled, of length 1 */
-  int64_t tied, wrong, flat;
+  int64_t tied, wrong, flat, far;
+  uint32_t sizes[SIZES]; /* planes from a power of 2 to the next */
 } part;
 
 typedef struct lift_job
@@ -37,9 +43,11 @@ typedef struct lift_job
   part* parts;
   size_t stride; /* of the sample */
   double tie;
+  double radius, cut; /* of the mesh in the lift's coordinates; planes beyond it are outliers */
   double middle[4], inverse[4]; /* plane to integers */
   uint32_t* pairs;              /* those of tied faces, from starts of chunks; NULL */
   size_t starts[CHI_ORDER_CHUNKS];
+  size_t* far; /* [chunks] outliers */
 } lift_job;
 
 /* A tetrahedron in the lift's coordinates, with what its plane is made of. */
@@ -161,6 +169,18 @@ static void find_frame(void* data, size_t begin, size_t end)
   }
 }
 
+static void find_plane(const simplex* s, double plane[4])
+{
+  memcpy(plane, s->gradient, sizeof s->gradient);
+  plane[3] = s->h[0] - dot(s->gradient, s->y[0], 3);
+}
+
+/* How large its keys are for eyes near the mesh. */
+static double size_of(const lift_job* it, const double plane[4])
+{
+  return it->radius * fmax(fabs(plane[0]), fmax(fabs(plane[1]), fabs(plane[2]))) + fabs(plane[3]);
+}
+
 static void find_planes(void* data, size_t begin, size_t end)
 {
   const lift_job* const it = (const lift_job*)data;
@@ -176,14 +196,23 @@ static void find_planes(void* data, size_t begin, size_t end)
         ++p->flat;
         continue;
       }
-      const double plane[4] = { s.gradient[0], s.gradient[1], s.gradient[2],
-        s.h[0] - dot(s.gradient, s.y[0], 3) };
+      double plane[4];
+      find_plane(&s, plane);
+      const double size = size_of(it, plane);
+      const int power = size > 0 ? ilogb(size) - LEAST : 0;
+      ++p->sizes[power < 0 ? 0 : power < SIZES ? power : SIZES - 1];
+      if (!(size <= it->cut))
+      {
+        ++p->far;
+        continue;
+      }
       for (int k = 0; k < 4; ++k)
       {
         p->low[k] = plane[k] < p->low[k] ? plane[k] : p->low[k];
         p->high[k] = plane[k] > p->high[k] ? plane[k] : p->high[k];
       }
     }
+    it->far[c] = (size_t)p->far;
   }
 }
 
@@ -263,6 +292,7 @@ static void judge_faces(void* data, size_t begin, size_t end)
     {
       const uint32_t* const near = it->neighbors + 4 * t;
       simplex s;
+      double tie = 0;
       int known = 0;
       for (int i = 0; i < 4; ++i)
       {
@@ -276,12 +306,20 @@ static void judge_faces(void* data, size_t begin, size_t end)
         {
           break;
         }
+        if (!known)
+        {
+          double plane[4];
+          find_plane(&s, plane);
+          tie = size_of(it, plane) <= 0.5 * it->cut
+            ? it->tie
+            : fmax(it->tie, FAR_TIE * sqrt(dot(plane, plane, 3)));
+        }
         known = 1;
         double x[3], y[3], q[6], distance, error;
         chi_view_get(&it->mesh->points, apex(it->mesh, it->neighbors, (uint32_t)t, u), x);
         lower(it->lift, x, y);
         const double up = rise(it, &s, y, i, &distance, &error);
-        const double least = error + it->tie * distance;
+        const double least = error + tie * distance;
         if (!(distance > 0) || up < -least)
         {
           ++p->wrong;
@@ -317,17 +355,29 @@ static void write_planes(void* data, size_t begin, size_t end)
   const lift_job* const it = (const lift_job*)data;
   const size_t n = it->mesh->count, chunk = chi_order_chunk(n);
   int32_t* const planes = (int32_t*)it->lift->planes.data;
+  chi_order_outlier* const outliers = (chi_order_outlier*)it->lift->outliers.data;
   for (size_t c = begin; c < end; ++c)
   {
+    size_t at = it->starts[c];
     for (size_t t = c * chunk; t < n && t < (c + 1) * chunk; ++t)
     {
       simplex s;
       const int is_solid = raise_simplex(it->lift, it->mesh, t, &s);
-      const double plane[4] = { s.gradient[0], s.gradient[1], s.gradient[2],
-        s.h[0] - dot(s.gradient, s.y[0], 3) };
+      double plane[4];
+      find_plane(&s, plane);
+      const int is_far = is_solid && !(size_of(it, plane) <= it->cut);
       for (size_t k = 0; k < 4; ++k)
       {
-        const double v = is_solid ? (plane[k] - it->middle[k]) * it->inverse[k] : 0;
+        plane[k] = (plane[k] - it->middle[k]) * it->inverse[k];
+      }
+      if (is_far)
+      {
+        memcpy(outliers[at].plane, plane, sizeof plane);
+        outliers[at++].t = (uint32_t)t;
+      }
+      for (size_t k = 0; k < 4; ++k)
+      {
+        const double v = is_solid && !is_far ? plane[k] : 0;
         planes[k * n + t] = v > -INT32_MAX && v < INT32_MAX ? (int32_t)floor(v + 0.5) : 0;
       }
     }
@@ -365,6 +415,10 @@ static part add_up(const lift_job* job)
     sum.tied += p->tied;
     sum.wrong += p->wrong;
     sum.flat += p->flat;
+    for (int k = 0; k < SIZES; ++k)
+    {
+      sum.sizes[k] += p->sizes[k];
+    }
     sum.worst = p->worst < sum.worst ? p->worst : sum.worst;
   }
   return sum;
@@ -464,10 +518,26 @@ static double separate(const double (*vectors)[6], size_t count, double form[6])
   return sqrt(dot(form, form, 6));
 }
 
-/* The largest gradient, for what a tie is. */
+/* The largest gradient, for what a tie is; outliers apart: flat cells at the hull, whose spheres
+ * are huge, would leave few bits to the others. */
 static chi_status measure(const chi_exec* exec, lift_job* job, part* planes)
 {
-  const chi_status status = run(exec, job, find_planes, planes);
+  job->cut = INFINITY;
+  chi_status status = run(exec, job, find_planes, planes);
+  int top = SIZES - 1, last;
+  while (top > 0 && planes->sizes[top] == 0)
+  {
+    --top;
+  }
+  size_t far = planes->sizes[top];
+  for (last = top; last > 0 && far <= job->mesh->count / SHARE; far += planes->sizes[--last])
+  {
+  }
+  if (status == CHI_OK && last < top - 1) /* two bits or more to gain */
+  {
+    job->cut = ldexp(1, last + 1 + LEAST);
+    status = run(exec, job, find_planes, planes);
+  }
   double most = 0;
   for (int k = 0; k < 3; ++k)
   {
@@ -568,17 +638,29 @@ chi_status chi_order_lift_find(const chi_exec* exec, chi_order_lift* lift,
   const chi_tet_mesh_view* mesh, const chi_order_adjacency* adjacency, int general)
 {
   part parts[CHI_ORDER_CHUNKS], sum, planes, faces;
+  size_t far[CHI_ORDER_CHUNKS];
   lift_job job = { .mesh = mesh,
     .neighbors = (const uint32_t*)adjacency->neighbors.data,
     .lift = lift,
     .parts = parts,
-    .stride = 1 };
+    .stride = 1,
+    .far = far };
   chi_status status = run(exec, &job, find_frame, &sum);
   if (status != CHI_OK)
   {
     return status;
   }
   set_frame(lift, &sum, mesh->count);
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    double x[3], y[3];
+    for (int k = 0; k < 3; ++k)
+    {
+      x[k] = corner >> k & 1 ? sum.high[k] : sum.low[k];
+    }
+    lower(lift, x, y);
+    job.radius = fmax(job.radius, sqrt(dot(y, y, 3)));
+  }
   status = judge(exec, &job, &planes, &faces);
   /* a thousandth tied is what repairing them costs less than a search */
   if (status == CHI_OK && general && (faces.wrong > 0 || faces.tied > adjacency->interior / 1000))
@@ -600,7 +682,14 @@ chi_status chi_order_lift_find(const chi_exec* exec, chi_order_lift* lift,
   lift->tied = faces.tied;
   lift->wrong = faces.wrong;
   lift->usable = faces.wrong == 0 && planes.flat == 0;
-  if (!chi_buffer_reserve(exec, &lift->planes, 4 * mesh->count, sizeof(int32_t)))
+  lift->outlier_count = 0;
+  for (size_t c = 0; c < CHI_ORDER_CHUNKS; ++c)
+  {
+    job.starts[c] = lift->outlier_count;
+    lift->outlier_count += far[c];
+  }
+  if (!chi_buffer_reserve(exec, &lift->planes, 4 * mesh->count, sizeof(int32_t)) ||
+    !chi_buffer_reserve(exec, &lift->outliers, lift->outlier_count, sizeof(chi_order_outlier)))
   {
     return CHI_ERROR_OUT_OF_MEMORY;
   }
@@ -625,4 +714,5 @@ void chi_order_lift_free(const chi_exec* exec, chi_order_lift* lift)
   chi_buffer_free(exec, &lift->planes);
   chi_buffer_free(exec, &lift->groups);
   chi_buffer_free(exec, &lift->members);
+  chi_buffer_free(exec, &lift->outliers);
 }

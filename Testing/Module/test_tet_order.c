@@ -98,6 +98,46 @@ static void ties_are_told_apart_by_their_faces(void)
   order_mesh_free(&m);
 }
 
+/* A Delaunay mesh with flat cells under two sides of its hull: their spheres are 10^8 times as
+ * large as it, and the bits of the others' keys must not be spent on them. */
+static void huge_spheres_at_the_hull_harm_nobody(void)
+{
+  enum
+  {
+    HULL = 4,
+    INNER = 40,
+    ALL = HULL + INNER + 2
+  };
+  double p[ALL][3] = { { 1, 1, 1 }, { 1, -1, -1 }, { -1, 1, -1 }, { -1, -1, 1 } };
+  uint32_t seed = 5;
+  for (int i = HULL; i < ALL; ++i)
+  {
+    double weight[4], sum = 0;
+    for (int k = 0; k < 4; ++k)
+    {
+      weight[k] = i < HULL + INNER ? 0.01 + chi_test_random(&seed)
+        : k == i - HULL - INNER    ? 1e-9
+                                   : 0.3 + 0.4 * chi_test_random(&seed);
+      sum += weight[k];
+    }
+    for (int k = 0; k < 12; ++k)
+    {
+      p[i][k % 3] += weight[k / 3] / sum * p[k / 3][k % 3];
+    }
+  }
+  order_mesh m = order_mesh_delaunay((const double(*)[3])p, ALL);
+  chi_tet_order_info info;
+  CHECK(m.count >= 128); /* of 64 one may be an outlier */
+  CHECK(judge_views(&m, CHI_TET_ORDER_AUTO, &info) == 0);
+  CHECK(info.used == CHI_TET_ORDER_TANGENTIAL && info.lift == 1 && info.convex == 1);
+  CHECK(info.tied_faces == 0 && info.wrong_faces == 0);
+  CHECK(judge_views(&m, CHI_TET_ORDER_TANGENTIAL, &info) == 0);
+  CHECK(info.lift == 1);
+  CHECK(judge_views(&m, CHI_TET_ORDER_MPVO, &info) == 0);
+  CHECK(info.cycles == 0);
+  order_mesh_free(&m);
+}
+
 /* Points moved so far that no form is right, and not yet so far that cells fold. */
 static void moved_points_are_sorted_by_their_faces(void)
 {
@@ -170,6 +210,7 @@ int main(void)
   split_cubes_have_a_lift();
   sheared_cubes_have_a_lift();
   ties_are_told_apart_by_their_faces();
+  huge_spheres_at_the_hull_harm_nobody();
   moved_points_are_sorted_by_their_faces();
   gaps_are_looked_up_at_pixels();
   a_cycle_is_counted_and_broken();

@@ -126,6 +126,64 @@ __attribute__((unused)) static order_mesh order_mesh_centered(size_t n, uint32_t
   return m;
 }
 
+/* Delaunay's mesh of a few points in general position: any four in whose sphere lies no other. */
+__attribute__((unused)) static order_mesh order_mesh_delaunay(const double (*points)[3], size_t n)
+{
+  order_mesh m = order_mesh_room(n, 16 * n);
+  memcpy(m.points, points, 24 * n);
+  m.count = 0;
+  for (size_t i = 0; i < n * n * n * n; ++i)
+  {
+    const size_t id[4] = { i % n, i / n % n, i / n / n % n, i / n / n / n };
+    if (id[0] >= id[1] || id[1] >= id[2] || id[2] >= id[3])
+    {
+      continue;
+    }
+    double e[3][3], square[3], normal[3][3], center[3];
+    for (int k = 0; k < 9; ++k)
+    {
+      e[k / 3][k % 3] = points[id[k / 3 + 1]][k % 3] - points[id[0]][k % 3];
+    }
+    for (int k = 0; k < 3; ++k)
+    {
+      const double *const a = e[(k + 1) % 3], *const b = e[(k + 2) % 3];
+      square[k] = e[k][0] * e[k][0] + e[k][1] * e[k][1] + e[k][2] * e[k][2];
+      for (int c = 0; c < 3; ++c)
+      {
+        normal[k][c] = a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3];
+      }
+    }
+    const double volume = e[0][0] * normal[0][0] + e[0][1] * normal[0][1] + e[0][2] * normal[0][2];
+    for (int c = 0; c < 3; ++c) /* from the first of the four */
+    {
+      center[c] = (square[0] * normal[0][c] + square[1] * normal[1][c] + square[2] * normal[2][c]) /
+        (2 * volume);
+    }
+    size_t other = 0;
+    for (; other < n; ++other)
+    {
+      /* |x - center|^2 - |center|^2, without the squares of a center that is far away */
+      double power = 0;
+      for (int c = 0; c < 3; ++c)
+      {
+        const double x = points[other][c] - points[id[0]][c];
+        power += x * (x - 2 * center[c]);
+      }
+      if (power < 0 && other != id[0] && other != id[1] && other != id[2] && other != id[3])
+      {
+        break;
+      }
+    }
+    for (int k = 0; k < 4 && other == n; ++k)
+    {
+      m.vertices[m.count][k] = (uint32_t)id[k];
+    }
+    m.count += other == n;
+  }
+  order_mesh_orient(&m);
+  return m;
+}
+
 /* Leaves out groups of six by lot: holes, cavities, pieces. */
 __attribute__((unused)) static void order_mesh_thin(order_mesh* m, double share, uint32_t seed)
 {
