@@ -138,9 +138,9 @@ static size_t count_bytes(const chi_tet_order* order)
   const chi_order_sort* const s = &order->sort;
   return sizeof *order + order->adjacency.neighbors.bytes + order->adjacency.exterior.bytes +
     order->lift.planes.bytes + order->lift.groups.bytes + order->lift.members.bytes +
-    order->lift.outliers.bytes + s->sides.bytes + s->waiting.bytes + s->queue.bytes +
-    s->walk.bytes + s->relations.bytes + s->relation_starts.bytes + s->boxes.bytes +
-    s->bands.bytes + s->counts.bytes + s->events.bytes + s->found.bytes;
+    order->lift.outliers.bytes + s->sides.bytes + s->spare.bytes + s->waiting.bytes +
+    s->queue.bytes + s->walk.bytes + s->relations.bytes + s->relation_starts.bytes +
+    s->boxes.bytes + s->bands.bytes + s->counts.bytes + s->events.bytes + s->found.bytes;
 }
 
 chi_status chi_tet_order_create(
@@ -288,6 +288,7 @@ chi_status chi_tet_order_keys(const chi_exec* exec, chi_tet_order* order,
     order->bits = 1;
     status = order->mesh.count ? find_keys(exec, order, &eye, keys) : CHI_OK;
     order->info.cycles = order->sort.cycles;
+    order->info.sorted = order->sort.replaced;
   }
   if (status == CHI_OK)
   {

@@ -162,11 +162,39 @@ typedef struct chi_order_sort
   chi_buffer waiting; /* uint32 [tetrahedra] */
   chi_buffer queue;   /* uint32 [tetrahedra]: the order, farthest first */
   chi_buffer walk;    /* uint32 [2 x tetrahedra], where there are cycles */
+  chi_buffer spare;   /* uint32 [tetrahedra] */
   chi_buffer relations, relation_starts;          /* beyond those of faces: from each tetrahedron */
   chi_buffer boxes, bands, counts, events, found; /* of chi_order_exterior_find */
   size_t relation_count;
   int64_t cycles;
+  size_t ordered;   /* tetrahedra in the queue as the last keys had them; 0: there were cycles */
+  int64_t replaced; /* tetrahedra whose places were looked for */
 } chi_order_sort;
+
+typedef struct chi_order_sorter
+{
+  const chi_tet_mesh_view* mesh;
+  const uint32_t* neighbors;
+  const chi_order_eye* eye;
+  const chi_order_relation* relations; /* sorted by "from"; NULL: none */
+  const uint32_t* starts;              /* [count + 1] */
+  size_t relation_count;
+  const uint8_t* sides;
+  uint32_t *waiting, *queue, *keys;
+  uint32_t *path, *visit; /* of the search for cycles */
+  size_t head, tail;
+} chi_order_sorter;
+
+enum
+{
+  CHI_ORDER_REPAIRED,
+  CHI_ORDER_TOO_MUCH, /* to be sorted as a whole; nothing is lost */
+  CHI_ORDER_SPOILED   /* likewise, but what is waited for is lost: there is a cycle */
+};
+
+/* Puts right what has changed since the last order. */
+chi_status chi_order_repair(
+  const chi_exec* exec, chi_order_sort* sort, chi_order_sorter* s, size_t count, int* outcome);
 
 /* Ranks along the relations of faces, and of the pairs that chi_order_exterior_find has left. */
 chi_status chi_order_sort_find(const chi_exec* exec, chi_order_sort* sort,

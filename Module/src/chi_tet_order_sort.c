@@ -43,21 +43,7 @@ static void find_sides(void* data, size_t begin, size_t end)
   }
 }
 
-typedef struct sorter
-{
-  const chi_tet_mesh_view* mesh;
-  const uint32_t* neighbors;
-  const chi_order_eye* eye;
-  const chi_order_relation* relations; /* sorted by "from"; NULL: none */
-  const uint32_t* starts;              /* [count + 1] */
-  size_t relation_count;
-  const uint8_t* sides;
-  uint32_t *waiting, *queue, *keys;
-  uint32_t *path, *visit; /* of the search for cycles */
-  size_t head, tail;
-} sorter;
-
-static void release(sorter* s, uint32_t t)
+static void release(chi_order_sorter* s, uint32_t t)
 {
   if (s->waiting[t] != DONE && --s->waiting[t] == 0)
   {
@@ -66,7 +52,7 @@ static void release(sorter* s, uint32_t t)
   }
 }
 
-static void drain(sorter* s)
+static void drain(chi_order_sorter* s)
 {
   while (s->head < s->tail)
   {
@@ -87,7 +73,7 @@ static void drain(sorter* s)
 }
 
 /* Someone not yet drawn who is behind t. */
-static uint32_t find_behind(const sorter* s, uint32_t t)
+static uint32_t find_behind(const chi_order_sorter* s, uint32_t t)
 {
   for (size_t i = 0; i < 4; ++i)
   {
@@ -107,7 +93,7 @@ static uint32_t find_behind(const sorter* s, uint32_t t)
   return t; /* cannot be: it waits for someone */
 }
 
-static double distance_of(const sorter* s, uint32_t t)
+static double distance_of(const chi_order_sorter* s, uint32_t t)
 {
   double x[4][3], sum = 0;
   const double* const m = s->eye->to_eye;
@@ -128,7 +114,7 @@ static double distance_of(const sorter* s, uint32_t t)
  * Nobody is free: who is behind whom, followed backwards, ends in a cycle. Of its members the one
  * is drawn for which the fewest relations are broken, then the farthest, then the first.
  */
-static void break_cycle(sorter* s, uint32_t start, uint32_t stamp)
+static void break_cycle(chi_order_sorter* s, uint32_t start, uint32_t stamp)
 {
   size_t length = 0;
   uint32_t t = start;
@@ -187,6 +173,7 @@ chi_status chi_order_sort_find(const chi_exec* exec, chi_order_sort* sort,
   if (!chi_buffer_reserve(exec, &sort->sides, n, 1) ||
     !chi_buffer_reserve(exec, &sort->waiting, n, sizeof(uint32_t)) ||
     !chi_buffer_reserve(exec, &sort->queue, n, sizeof(uint32_t)) ||
+    !chi_buffer_reserve(exec, &sort->spare, n, sizeof(uint32_t)) ||
     (sort->relation_count &&
       (!chi_buffer_reserve(exec, &sort->relation_starts, n + 2, sizeof(uint32_t)) ||
         !chi_buffer_reserve(
@@ -196,12 +183,12 @@ chi_status chi_order_sort_find(const chi_exec* exec, chi_order_sort* sort,
   }
   side_job job = { mesh, (const uint32_t*)adjacency->neighbors.data, eye,
     (uint8_t*)sort->sides.data, (uint32_t*)sort->waiting.data };
-  const chi_status status = chi_for(exec, CHI_ORDER_CHUNKS, find_sides, &job);
+  chi_status status = chi_for(exec, CHI_ORDER_CHUNKS, find_sides, &job);
   if (status != CHI_OK)
   {
     return status;
   }
-  sorter s = { .mesh = mesh,
+  chi_order_sorter s = { .mesh = mesh,
     .neighbors = job.neighbors,
     .eye = eye,
     .sides = job.sides,
@@ -215,6 +202,22 @@ chi_status chi_order_sort_find(const chi_exec* exec, chi_order_sort* sort,
     s.starts = (const uint32_t*)sort->relation_starts.data;
     s.relation_count = sort->relation_count;
   }
+  if (sort->ordered == n && n > 0)
+  {
+    int outcome = CHI_ORDER_TOO_MUCH;
+    sort->ordered = 0;
+    status = chi_order_repair(exec, sort, &s, n, &outcome);
+    if (status != CHI_OK || outcome == CHI_ORDER_SPOILED)
+    {
+      return status != CHI_OK ? status
+                              : chi_order_sort_find(exec, sort, mesh, adjacency, eye, keys);
+    }
+    if (outcome == CHI_ORDER_REPAIRED)
+    {
+      sort->ordered = n;
+      return CHI_OK;
+    }
+  }
   for (uint32_t t = 0; t < n; ++t)
   {
     if (s.waiting[t] == 0)
@@ -224,6 +227,7 @@ chi_status chi_order_sort_find(const chi_exec* exec, chi_order_sort* sort,
     }
   }
   sort->cycles = 0;
+  sort->replaced = (int64_t)n;
   drain(&s);
   uint32_t first = 0;
   while (s.tail < n)
@@ -245,6 +249,7 @@ chi_status chi_order_sort_find(const chi_exec* exec, chi_order_sort* sort,
     break_cycle(&s, first, (uint32_t)++sort->cycles);
     drain(&s);
   }
+  sort->ordered = sort->cycles ? 0 : n;
   return chi_is_cancelled(exec) ? CHI_ERROR_CANCELLED : CHI_OK;
 }
 
@@ -254,6 +259,7 @@ void chi_order_sort_free(const chi_exec* exec, chi_order_sort* sort)
   chi_buffer_free(exec, &sort->waiting);
   chi_buffer_free(exec, &sort->queue);
   chi_buffer_free(exec, &sort->walk);
+  chi_buffer_free(exec, &sort->spare);
   chi_buffer_free(exec, &sort->relations);
   chi_buffer_free(exec, &sort->relation_starts);
   chi_buffer_free(exec, &sort->boxes);

@@ -166,6 +166,50 @@ static void gaps_are_looked_up_at_pixels(void)
   }
 }
 
+/* A camera that moves a little: the last order is put right where faces have turned, and is as
+ * right as one from nothing. */
+static void an_order_follows_the_camera(void)
+{
+  for (int gaps = 0; gaps < 2; ++gaps)
+  {
+    order_mesh m = order_mesh_cubes(9, 0.4, 6);
+    if (gaps)
+    {
+      order_mesh_thin(&m, 0.05, 3);
+    }
+    const chi_tet_mesh_view mesh = order_mesh_view(&m);
+    uint32_t* const keys = malloc(m.count * sizeof *keys);
+    chi_camera camera = tet_view(TET_VIEW_OBLIQUE, 0, SIZE);
+    const chi_tet_order_view from = { sizeof from, &camera, NULL };
+    chi_tet_order* order = NULL;
+    long whole = 0, part = 0, nothing = 0;
+    CHECK(chi_tet_order_create(
+            NULL, &mesh, gaps ? CHI_TET_ORDER_XMPVO : CHI_TET_ORDER_MPVO, &order) == CHI_OK);
+    for (int i = 0; i < 40; ++i)
+    {
+      chi_tet_order_info info;
+      int32_t bits;
+      int64_t violations = -1;
+      /* sideways, by 1e-6 to 0.1 where the distance is 6.7 */
+      camera.world_to_eye[3] += pow(10, -(i % 6)) * (i % 2 ? 0.1 : -0.1);
+      CHECK(chi_tet_order_keys(NULL, order, &from, keys, &bits) == CHI_OK);
+      CHECK(chi_tet_order_violations(NULL, &mesh, &from, keys, &violations) == CHI_OK);
+      CHECK(violations == 0);
+      CHECK(i % 10 || order_judge(&m, &camera, keys, 1) == 0);
+      chi_tet_order_get_info(order, &info);
+      CHECK(!info.reused);
+      whole += info.sorted == (int64_t)m.count;
+      part += info.sorted > 0 && info.sorted < (int64_t)m.count;
+      nothing += info.sorted == 0;
+    }
+
+    CHECK(whole > 1 && part > 0 && nothing > 0);
+    chi_tet_order_destroy(NULL, order);
+    free(keys);
+    order_mesh_free(&m);
+  }
+}
+
 /* Three long tetrahedra, each over the next: no order is right, one is given, and it is counted. */
 static void a_cycle_is_counted_and_broken(void)
 {
@@ -213,6 +257,7 @@ int main(void)
   huge_spheres_at_the_hull_harm_nobody();
   moved_points_are_sorted_by_their_faces();
   gaps_are_looked_up_at_pixels();
+  an_order_follows_the_camera();
   a_cycle_is_counted_and_broken();
   return chi_test_report();
 }

@@ -72,6 +72,8 @@ typedef struct chi_tet_order_info
   int32_t reused;         /**< 1: the last keys stand */
   size_t bytes;           /**< held */
   double seconds_analysis, seconds_keys; /**< of wall clock */
+  int64_t sorted; /**< tetrahedra whose places were looked for in the last topological sort: all, or
+                       those between which relations have turned since the order before */
 } chi_tet_order_info;
 
 /**
