@@ -610,6 +610,8 @@ static chi_tet_scene make_scene(const chi_tet* tet, const chi_tet_frame* f)
       (float)((double)(tet->tables.count - 1) / (tet->tables.range[1] - tet->tables.range[0])),
     .end = (float)(tet->tables.count - 1),
     .tables = &tet->tables,
+    /* half a step is at most 1/4096 of full scale, 0.06 of 255, and rounding has no bias */
+    .fine = tet->values.coarseness <= 1.0f / 2048,
     .extinction = (const float*)tet->values.extinction.data,
     .shades = f->shading ? (const float(*)[6])tet->shades.data : NULL,
     .color_limit = f->shading && f->shading->unclamped ? INFINITY : 1,

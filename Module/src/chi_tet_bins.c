@@ -147,17 +147,16 @@ static void scatter(void* data, size_t begin, size_t end)
   }
 }
 
-/* Least significant digits first, an even number of passes: the result is where it was. */
-static void sort_pass(const uint64_t* from, uint64_t* to, size_t n, int shift, int bits)
+/* One pass of a radix sort, by eleven bits of how much entries exceed the lowest one. */
+static void sort_pass(const uint64_t* from, uint64_t* to, size_t n, uint64_t low, int shift)
 {
   uint32_t place[2048] = { 0 };
-  const uint32_t mask = (1u << bits) - 1;
   for (size_t i = 0; i < n; ++i)
   {
-    ++place[from[i] >> shift & mask];
+    ++place[(from[i] - low) >> shift & 2047];
   }
   uint32_t sum = 0;
-  for (uint32_t i = 0; i <= mask; ++i)
+  for (size_t i = 0; i < 2048; ++i)
   {
     const uint32_t count = place[i];
     place[i] = sum;
@@ -165,17 +164,48 @@ static void sort_pass(const uint64_t* from, uint64_t* to, size_t n, int shift, i
   }
   for (size_t i = 0; i < n; ++i)
   {
-    to[place[from[i] >> shift & mask]++] = from[i];
+    to[place[(from[i] - low) >> shift & 2047]++] = from[i];
   }
 }
 
+/* By the upper 22 bits of what keys differ by, in two passes, which the result is back in place
+ * after; then what few entries are alike in these by all bits. */
 static void sort(uint64_t* list, uint64_t* other, size_t n, int32_t bits)
 {
-  const int passes = bits > 22 ? 4 : 2, digit = passes == 4 ? 8 : 11;
-  for (int pass = 0; pass < passes && n > 1; pass += 2)
+  if (n < 2)
   {
-    sort_pass(list, other, n, 32 + pass * digit, digit);
-    sort_pass(other, list, n, 32 + (pass + 1) * digit, digit);
+    return;
+  }
+  int shift = 32;
+  uint64_t low = 0;
+  if (bits > 22)
+  {
+    uint64_t high = 0;
+    low = UINT64_MAX;
+    for (size_t i = 0; i < n; ++i)
+    {
+      low = list[i] < low ? list[i] : low;
+      high = list[i] > high ? list[i] : high;
+    }
+    low &= ~(uint64_t)UINT32_MAX;
+    for (shift = 32; (high - low) >> shift >= (uint64_t)1 << 22; ++shift)
+    {
+    }
+  }
+  sort_pass(list, other, n, low, shift);
+  sort_pass(other, list, n, low, shift + 11);
+  if (shift > 32)
+  {
+    for (size_t i = 1; i < n; ++i)
+    {
+      const uint64_t entry = list[i];
+      size_t j = i;
+      for (; j > 0 && list[j - 1] > entry; --j)
+      {
+        list[j] = list[j - 1];
+      }
+      list[j] = entry;
+    }
   }
 }
 

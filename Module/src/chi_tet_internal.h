@@ -41,6 +41,7 @@ typedef struct chi_tet_values
   int is_cell_data, separate;
   double longest_edge, widest_range; /* of a tetrahedron: units of the grid, and of the scalar */
   chi_buffer visible;                /* uint32, one bit a tetrahedron */
+  float coarseness;                  /* of the tables: the largest step from entry to entry, of 1 */
   chi_buffer extinction;             /* float [entries + 1] of the table, one after the other */
   chi_buffer opaque; /* uint32: entries of the table, before each, that are not transparent */
   int64_t non_finite, transparent;

@@ -207,6 +207,22 @@ static void choose(void* data, size_t begin, size_t end)
   }
 }
 
+/* The largest step from entry to entry: of a colour, or of extinction over the unit of length in
+ * which it is largest 1. */
+static float coarseness(const chi_segment_tables* tables)
+{
+  float most = 0, step[4] = { 0 };
+  for (int32_t i = 0; i + 1 < tables->count; ++i)
+  {
+    for (int k = 0; k < 4; ++k)
+    {
+      step[k] = fmaxf(step[k], fabsf(tables->color[i + 1][k] - tables->color[i][k]));
+    }
+    most = fmaxf(most, fmaxf(tables->color[i][3], tables->color[i + 1][3]));
+  }
+  return fmaxf(fmaxf(step[0], step[1]), fmaxf(step[2], most > 0 ? step[3] / most : 0));
+}
+
 chi_status chi_tet_values_choose(const chi_exec* exec, chi_tet_values* values,
   const chi_tet_mesh* mesh, const chi_segment_tables* tables, int skip_transparent)
 {
@@ -228,6 +244,7 @@ chi_status chi_tet_values_choose(const chi_exec* exec, chi_tet_values* values,
   {
     ((float*)values->extinction.data)[i] = tables->color[i][3];
   }
+  values->coarseness = coarseness(tables);
   /* a table without transparent entries leaves all that is finite, as the last one may have done */
   const int any = skip_transparent && opaque[entries] < entries;
   if (!any && values->all_opaque)

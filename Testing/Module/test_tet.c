@@ -342,8 +342,63 @@ static void violations_are_those_of_the_order_asked_for(void)
   tet_mesh_free(mesh);
 }
 
+enum
+{
+  FINE = 8193, /* entries of a table whose steps are below 1/2048 */
+  COARSE = 257
+};
+
+/* Blue to red, and an opacity that rises fourfold: linear, so that tables of any size hold it. */
+static void fill_ramp(float (*rgb)[3], float* opacity, int count)
+{
+  for (int i = 0; i < count; ++i)
+  {
+    const float x = (float)i / (float)(count - 1);
+    rgb[i][0] = x;
+    rgb[i][1] = 0.5f;
+    rgb[i][2] = 1 - x;
+    opacity[i] = 0.25f + 0.75f * x;
+  }
+}
+
+/* Of a table with small steps the nearest entry is taken: half a step of a colour, 1/16384 here,
+ * and of an extinction, which moves an opacity by at most that share of tau e^-tau < 1/2. */
+static void fine_tables_give_the_same_picture(void)
+{
+  static float rgb[2][FINE][3], opacity[2][FINE];
+  tet_mesh* const mesh = tet_mesh_cubes(5, TET_MARSCHNER_LOBB);
+  scene s;
+  make_scene(&s, mesh, TET_VIEW_OBLIQUE, 0, 96);
+  s.params.pre_integration = CHI_PREINTEGRATION_PARTIAL;
+  float* const first = (float*)malloc(96 * 96 * 4 * sizeof(float));
+  double worst = 0;
+  for (int fine = 0; fine < 2; ++fine)
+  {
+    chi_tet* tet;
+    CHECK(chi_tet_create(NULL, &tet) == CHI_OK);
+    fill_ramp(rgb[fine], opacity[fine], fine ? FINE : COARSE);
+    s.transfer.view.rgb = rgb[fine][0];
+    s.transfer.view.opacity = opacity[fine];
+    s.transfer.view.count = fine ? FINE : COARSE;
+    CHECK(chi_tet_render(NULL, tet, &s.frame) == CHI_OK);
+    chi_tet_image image;
+    chi_tet_get_image(tet, &image);
+    for (int i = 0; i < 96 * 96 * 4; ++i)
+    {
+      const double error = fine ? fabs((double)image.rgba[i] - (double)first[i]) : 0;
+      first[i] = fine ? first[i] : image.rgba[i];
+      worst = error > worst ? error : worst;
+    }
+    chi_tet_destroy(NULL, tet);
+  }
+  CHECK_NEAR(worst, 0, 1.5 / 16384);
+  free(first);
+  tet_mesh_free(mesh);
+}
+
 int main(void)
 {
+  fine_tables_give_the_same_picture();
   violations_are_those_of_the_order_asked_for();
   what_was_described_is_still_to_be_drawn();
   a_ramp_is_lit_as_one();

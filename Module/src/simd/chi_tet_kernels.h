@@ -44,6 +44,7 @@ typedef struct chi_tet_scene
 
   float base, scale, end; /* table position = (scalar - base) * scale, 0 ... end */
   const chi_segment_tables* tables;
+  int32_t fine;             /* neighbouring entries are so much alike that the nearest will do */
   const float* extinction;  /* [count + 1] of the tables, one after the other */
   const float (*shades)[6]; /* [tetrahedra] factor of the colour, and what is added; NULL */
   float color_limit;        /* of shaded colours */

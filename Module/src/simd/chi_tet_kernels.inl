@@ -205,6 +205,59 @@ CHI_INLINE void join_pairs(vf first, vf second, float* pairs)
 #  endif
 }
 
+/* A premultiplied colour and transmittance behind those of a pixel. */
+CHI_INLINE void blend_behind(float* pixel, __m128 source)
+{
+  const __m128 d = _mm_load_ps(pixel);
+  const __m128 before = _mm_shuffle_ps(d, d, 0xff);
+  _mm_store_ps(pixel, _mm_fmadd_ps(before, source, _mm_blend_ps(d, _mm_setzero_ps(), 8)));
+}
+
+/* e^-x of x >= 0. */
+CHI_INLINE vf transmittance_of(vf x)
+{
+  return vi_any(x > 0.25f) ? vf_exp_neg(-x) : segment_exp_thin(-x);
+}
+
+/* The same by the nearest entries of tables whose entries hardly differ from each other. */
+CHI_INLINE void blend_fine(tile_state* t)
+{
+  const chi_tet_scene* const s = t->scene;
+  fragments* const f = &t->f;
+  const size_t count = f->count;
+  int32_t at[2][FRAGMENTS + CHI_LANES];
+  float weight[2][FRAGMENTS + CHI_LANES]; /* extinctions; then weights */
+  for (size_t i = 0; i < count; i += CHI_LANES)
+  {
+    vi_store(at[0] + i, vf_int(vf_load(f->x0 + i) + 0.5f));
+    vi_store(at[1] + i, vf_int(vf_load(f->x1 + i) + 0.5f));
+  }
+  for (size_t i = 0; i < count; ++i)
+  {
+    weight[0][i] = s->extinction[at[0][i]];
+    weight[1][i] = s->extinction[at[1][i]];
+  }
+  for (size_t i = 0; i < count; i += CHI_LANES)
+  {
+    const vf length = vf_load(f->length + i);
+    const vf front = vf_load(weight[0] + i) * length, back = vf_load(weight[1] + i) * length;
+    const vf psi = segment_psi(front, back);
+    const vf through = transmittance_of((front + back) * 0.5f);
+    vf_store(weight[0] + i, 1.0f - psi);
+    vf_store(weight[1] + i, psi - through);
+    vf_store(f->length + i, through);
+  }
+  const float(*const color)[4] = s->tables->color;
+  for (size_t i = 0; i < count; ++i)
+  {
+    const __m128 behind = _mm_mul_ps(_mm_set1_ps(weight[1][i]), _mm_loadu_ps(color[at[1][i]]));
+    const __m128 sum =
+      _mm_fmadd_ps(_mm_set1_ps(weight[0][i]), _mm_loadu_ps(color[at[0][i]]), behind);
+    blend_behind(
+      t->target->rgba + 4 * f->pixel[i], _mm_blend_ps(sum, _mm_set1_ps(f->length[i]), 8));
+  }
+}
+
 /*
  * What segment_partial computes, arranged for fragments that end in single pixels: only extinctions
  * are looked up before the weights are known; an entry of the table and the next are loaded as one
@@ -245,7 +298,7 @@ CHI_INLINE void blend_partial(tile_state* t)
       tau[e] = (here + part[e] * (next - here)) * length;
     }
     const vf psi = segment_psi(tau[0], tau[1]);
-    const vf through = vf_exp_neg((tau[0] + tau[1]) * -0.5f);
+    const vf through = transmittance_of((tau[0] + tau[1]) * 0.5f);
     const vf weight[2] = { 1.0f - psi, psi - through };
     for (int e = 0; e < 2; ++e)
     {
@@ -268,10 +321,7 @@ CHI_INLINE void blend_partial(tile_state* t)
     const __m128 source =
       _mm_blend_ps(_mm_add_ps(_mm256_castps256_ps128(sum), _mm256_extractf128_ps(sum, 1)),
         _mm_set1_ps(f->length[i]), 8);
-    float* const pixel = t->target->rgba + 4 * f->pixel[i];
-    const __m128 d = _mm_load_ps(pixel);
-    const __m128 before = _mm_shuffle_ps(d, d, 0xff);
-    _mm_store_ps(pixel, _mm_fmadd_ps(before, source, _mm_blend_ps(d, _mm_setzero_ps(), 8)));
+    blend_behind(t->target->rgba + 4 * f->pixel[i], source);
   }
 }
 #endif
@@ -291,7 +341,14 @@ CHI_INLINE void blend_fragments(tile_state* t, const variant u)
 #if defined(CHI_VEC_AVX2) || defined(CHI_VEC_AVX512)
   if (u.method == CHI_PREINTEGRATION_PARTIAL && !u.separate && !u.picking && !u.shaded)
   {
-    blend_partial(t);
+    if (t->scene->fine)
+    {
+      blend_fine(t);
+    }
+    else
+    {
+      blend_partial(t);
+    }
     f->count = 0;
     return;
   }
