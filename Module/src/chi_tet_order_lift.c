@@ -42,6 +42,7 @@ typedef struct lift_job
   chi_order_lift* lift;
   part* parts;
   size_t stride; /* of the sample */
+  int searches;  /* for the worst constraint, in place of counting ties */
   double tie;
   double radius, cut; /* of the mesh in the lift's coordinates; planes beyond it are outliers */
   double middle[4], inverse[4]; /* plane to integers */
@@ -188,7 +189,7 @@ static void find_planes(void* data, size_t begin, size_t end)
   for (size_t c = begin; c < end; ++c)
   {
     part* const p = it->parts + c;
-    for (size_t t = c * chunk; t < it->mesh->count && t < (c + 1) * chunk; ++t)
+    for (size_t t = c * chunk; t < it->mesh->count && t < (c + 1) * chunk; t += it->stride)
     {
       simplex s;
       if (!raise_simplex(it->lift, it->mesh, t, &s))
@@ -315,9 +316,24 @@ static void judge_faces(void* data, size_t begin, size_t end)
             : fmax(it->tie, FAR_TIE * sqrt(dot(plane, plane, 3)));
         }
         known = 1;
-        double x[3], y[3], q[6], distance, error;
+        double x[3], y[3];
         chi_view_get(&it->mesh->points, apex(it->mesh, it->neighbors, (uint32_t)t, u), x);
         lower(it->lift, x, y);
+        if (it->searches)
+        {
+          double q[6];
+          const double size = constrain(&s, y, q), margin = dot(it->lift->form, q, 6);
+          if (size > 0 && margin / (size * length) < p->worst)
+          {
+            p->worst = margin / (size * length);
+            for (int k = 0; k < 6; ++k)
+            {
+              p->vector[k] = q[k] / size;
+            }
+          }
+          continue;
+        }
+        double distance, error;
         const double up = rise(it, &s, y, i, &distance, &error);
         const double least = error + tie * distance;
         if (!(distance > 0) || up < -least)
@@ -331,18 +347,6 @@ static void judge_faces(void* data, size_t begin, size_t end)
           {
             it->pairs[2 * at] = (uint32_t)t;
             it->pairs[2 * at++ + 1] = u;
-          }
-        }
-        if (!it->pairs)
-        {
-          const double size = constrain(&s, y, q), margin = dot(it->lift->form, q, 6);
-          if (size > 0 && margin / (size * length) < p->worst)
-          {
-            p->worst = margin / (size * length);
-            for (int k = 0; k < 6; ++k)
-            {
-              p->vector[k] = q[k] / size;
-            }
           }
         }
       }
@@ -530,7 +534,8 @@ static chi_status measure(const chi_exec* exec, lift_job* job, part* planes)
     --top;
   }
   size_t far = planes->sizes[top];
-  for (last = top; last > 0 && far <= job->mesh->count / SHARE; far += planes->sizes[--last])
+  for (last = top; last > 0 && far <= job->mesh->count / job->stride / SHARE;
+       far += planes->sizes[--last])
   {
   }
   if (status == CHI_OK && last < top - 1) /* two bits or more to gain */
@@ -561,6 +566,7 @@ static chi_status search(const chi_exec* exec, lift_job* job, double form[6], in
   size_t count = 0;
   chi_status status = CHI_OK;
   *found = 0;
+  job->searches = 1;
   for (int round = 0; round < ROUNDS && status == CHI_OK; ++round)
   {
     part sum;
@@ -592,6 +598,7 @@ static chi_status search(const chi_exec* exec, lift_job* job, double form[6], in
   }
   memcpy(form, job->lift->form, 6 * sizeof *form);
   job->stride = 1;
+  job->searches = 0;
   chi_buffer_free(exec, &gathered);
   return status;
 }
@@ -637,7 +644,7 @@ static chi_status gather_ties(
 chi_status chi_order_lift_find(const chi_exec* exec, chi_order_lift* lift,
   const chi_tet_mesh_view* mesh, const chi_order_adjacency* adjacency, int general)
 {
-  part parts[CHI_ORDER_CHUNKS], sum, planes, faces;
+  part parts[CHI_ORDER_CHUNKS], sum, planes = { 0 }, faces = { 0 };
   size_t far[CHI_ORDER_CHUNKS];
   lift_job job = { .mesh = mesh,
     .neighbors = (const uint32_t*)adjacency->neighbors.data,
@@ -661,9 +668,18 @@ chi_status chi_order_lift_find(const chi_exec* exec, chi_order_lift* lift,
     lower(lift, x, y);
     job.radius = fmax(job.radius, sqrt(dot(y, y, 3)));
   }
-  status = judge(exec, &job, &planes, &faces);
-  /* a thousandth tied is what repairing them costs less than a search */
-  if (status == CHI_OK && general && (faces.wrong > 0 || faces.tied > adjacency->interior / 1000))
+  /* a thousandth tied is what repairing them costs less than a search; a sample is asked first */
+  const size_t strides[2] = { mesh->count / SAMPLE + 1, 1 };
+  int suits = 1;
+  for (int k = !general || strides[0] == 1; k < 2 && suits && status == CHI_OK; ++k)
+  {
+    job.stride = strides[k];
+    status = judge(exec, &job, &planes, &faces);
+    suits = !general ||
+      (faces.wrong == 0 && faces.tied <= (int64_t)(2 * mesh->count / job.stride / 1000));
+  }
+  job.stride = 1;
+  if (status == CHI_OK && !suits)
   {
     double first[6], form[6];
     int found = 0;
