@@ -249,6 +249,35 @@ static void a_cycle_is_counted_and_broken(void)
   order_mesh_free(&m);
 }
 
+/* The eye on a corner, on an edge, within faces, within the planes of others: no relation there. */
+static void the_eye_may_lie_in_faces(void)
+{
+  static const double distances[] = { 0, 0.25, 0.5, 1, 2 };
+  static const int methods[] = { CHI_TET_ORDER_AUTO, CHI_TET_ORDER_MPVO, CHI_TET_ORDER_XMPVO };
+  order_mesh m = order_mesh_cubes(4, 0, 1);
+  const chi_tet_mesh_view mesh = order_mesh_view(&m);
+  uint32_t* const keys = malloc(m.count * sizeof *keys);
+  for (int i = 0; i < 3; ++i)
+  {
+    chi_tet_order* order = NULL;
+    CHECK(chi_tet_order_create(NULL, &mesh, methods[i], &order) == CHI_OK);
+    for (int k = 0; k < 5 * 4; ++k)
+    {
+      const chi_camera camera = tet_look(distances[k / 4], 45 * (k % 4), 0, 0, SIZE, 1);
+      const chi_tet_order_view from = { sizeof from, &camera, NULL };
+      chi_tet_order_info info;
+      int32_t bits;
+      CHECK(chi_tet_order_keys(NULL, order, &from, keys, &bits) == CHI_OK);
+      chi_tet_order_get_info(order, &info);
+      CHECK(info.cycles == 0);
+      CHECK(order_judge(&m, &camera, keys, 1) == 0);
+    }
+    chi_tet_order_destroy(NULL, order);
+  }
+  free(keys);
+  order_mesh_free(&m);
+}
+
 int main(void)
 {
   split_cubes_have_a_lift();
@@ -259,5 +288,6 @@ int main(void)
   gaps_are_looked_up_at_pixels();
   an_order_follows_the_camera();
   a_cycle_is_counted_and_broken();
+  the_eye_may_lie_in_faces();
   return chi_test_report();
 }

@@ -3,6 +3,7 @@
 
 /* Hostile hosts and broken meshes. */
 
+#include "counting_host.h"
 #include "tet_order_meshes.h"
 
 typedef struct outcome
@@ -261,6 +262,36 @@ static void no_tetrahedra_have_an_order(void)
   }
 }
 
+/* The issue's bounds beyond points and vertices: 20 bytes a tetrahedron with a lift, 24 more with
+ * adjacency; what exterior faces take at the pixels does not grow with the mesh. */
+static void memory_stays_within_bounds(void)
+{
+  static const double moved[2] = { 0, 0.48 }, most[2] = { 20, 44 };
+  for (int k = 0; k < 2; ++k)
+  {
+    order_mesh m = order_mesh_cubes(20, moved[k], 1);
+    const chi_tet_mesh_view mesh = order_mesh_view(&m);
+    const chi_camera camera = tet_view(TET_VIEW_OBLIQUE, 0, 64);
+    const chi_tet_order_view from = { sizeof from, &camera, NULL };
+    uint32_t* const keys = malloc(m.count * sizeof *keys);
+    counting_host host = { 0 };
+    const chi_exec exec = counting_exec(&host);
+    chi_tet_order* order = NULL;
+    chi_tet_order_info info;
+    int32_t bits;
+    CHECK(chi_tet_order_create(&exec, &mesh, CHI_TET_ORDER_AUTO, &order) == CHI_OK);
+    CHECK(chi_tet_order_keys(&exec, order, &from, keys, &bits) == CHI_OK);
+    chi_tet_order_get_info(order, &info);
+    CHECK(info.used == (k ? CHI_TET_ORDER_MPVO : CHI_TET_ORDER_TANGENTIAL));
+    CHECK((double)host.live <= most[k] * (double)m.count + 4096);
+    CHECK(info.bytes <= host.live && info.bytes + 4096 > host.live); /* ends of cache lines */
+    chi_tet_order_destroy(&exec, order);
+    CHECK(host.live == 0);
+    free(keys);
+    order_mesh_free(&m);
+  }
+}
+
 int main(void)
 {
   any_schedule_gives_the_same_bits();
@@ -270,5 +301,6 @@ int main(void)
   flat_cells_harm_nobody();
   bad_arguments_are_refused();
   no_tetrahedra_have_an_order();
+  memory_stays_within_bounds();
   return chi_test_report();
 }
