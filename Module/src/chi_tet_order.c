@@ -108,13 +108,18 @@ static chi_status analyse(const chi_exec* exec, chi_tet_order* order)
   order->info.bad_faces = order->adjacency.bad;
   order->info.pieces = order->shape.pieces;
   order->info.convex = order->shape.convex;
-  if (order->method == CHI_TET_ORDER_TANGENTIAL || (automatic && order->shape.convex))
+  if (order->method == CHI_TET_ORDER_TANGENTIAL || automatic)
   {
+    const chi_order_lift* const lift = &order->lift;
+    int32_t holds = order->shape.convex;
     status = chi_order_lift_find(exec, &order->lift, mesh, &order->adjacency, automatic);
-    order->info.tied_faces = order->lift.tied;
-    order->info.wrong_faces = order->lift.wrong;
-    order->info.lift =
-      order->lift.usable && order->shape.convex && (automatic || order->lift.tied == 0);
+    if (status == CHI_OK && !holds && lift->usable && lift->tied == 0)
+    {
+      status = chi_order_lift_supports(exec, lift, mesh, &holds);
+    }
+    order->info.tied_faces = lift->tied;
+    order->info.wrong_faces = lift->wrong;
+    order->info.lift = lift->usable && holds && (automatic || lift->tied == 0);
   }
   if (automatic)
   {

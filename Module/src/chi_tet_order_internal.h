@@ -87,6 +87,9 @@ typedef struct chi_order_lift
 /* `general`: forms other than |x|^2 are tried where that is not strictly convex. */
 chi_status chi_order_lift_find(const chi_exec* exec, chi_order_lift* lift,
   const chi_tet_mesh_view* mesh, const chi_order_adjacency* adjacency, int general);
+/* Whether all points lie above each plane: then the body need not be convex. */
+chi_status chi_order_lift_supports(const chi_exec* exec, const chi_order_lift* lift,
+  const chi_tet_mesh_view* mesh, int32_t* supports);
 void chi_order_lift_free(const chi_exec* exec, chi_order_lift* lift);
 
 /* Where one looks from, in the mesh's own coordinates. */
