@@ -4,14 +4,52 @@
 import sys
 import time
 
+import numpy as np
 from PIL import Image
 
+import brain_tetrahedra
 from brain_with_fibres import scene
 from save_picture import save
 
 CAPTION = """Half of a brain (MRI, ch2better) with the left arcuate fasciculus (orange), the forceps major (blue)
 and the fornix (purple) of two other people, placed in it by a rigid motion in MNI space: where a fibre
 ends against this brain's folds is not anatomy."""
+
+
+TETRAHEDRA = """The same brain without its skull (ch2bet, smoothed by 1.5 voxels) as {:,} tetrahedra between 30 008 points that lie
+where it has detail (left), and the image itself (right), under one transfer function. Left to right the
+pictures differ by {:.1f} of 255 on average, which is what so few points leave out: the order of the
+tetrahedra has {} violations over all pixels."""
+
+
+def join(left, right, path):
+    pictures = [Image.open(left), Image.open(right)]
+    both = Image.new("RGB", (sum(p.width for p in pictures), pictures[0].height))
+    both.paste(pictures[0], (0, 0))
+    both.paste(pictures[1], (pictures[0].width, 0))
+    both.save(path)
+
+
+def draw_tetrahedra(data, folder):
+    """Rows of the table, and the caption."""
+    start = time.perf_counter()
+    renderers, mapper = brain_tetrahedra.scene(data, f"{folder}/brain_tetrahedra.vtu")
+    rows = [("mesh (kept)", time.perf_counter() - start, "", "")]
+    violations = 0
+    for renderer, name in zip(renderers, ("tetrahedra", "image")):
+        start = time.perf_counter()
+        window = save(renderer, f"{folder}/{name}.png")
+        rows.append((f"{name}, 2048^2", time.perf_counter() - start, "", ""))
+        if name == "tetrahedra":
+            for stage in ("Split", "Order", "Tiles", "Draw", "Composite"):
+                rows.append(("  " + stage, getattr(mapper, "GetSeconds" + stage)(), "", ""))
+            violations = mapper.GetNumberOfOrderViolations()
+        window.RemoveRenderer(renderer)
+        window.Finalize()
+    pictures = [np.asarray(Image.open(f"{folder}/{name}.png"), float) for name in ("tetrahedra", "image")]
+    join(f"{folder}/tetrahedra.png", f"{folder}/image.png", f"{folder}/brain_tetrahedra.png")
+    difference = np.abs(pictures[0] - pictures[1]).mean()
+    return rows, TETRAHEDRA.format(mapper.GetNumberOfTetrahedra(), difference, violations)
 
 
 def main():
@@ -29,16 +67,15 @@ def main():
             rows.append(("  " + stage, getattr(brain, "GetSeconds" + stage)(), "", ""))
         window.RemoveRenderer(renderer)
         window.Finalize()
-    pictures = [Image.open(f"{folder}/{name}.png") for name in ("without_occlusion", "with_occlusion")]
-    both = Image.new("RGB", (sum(p.width for p in pictures), pictures[0].height))
-    both.paste(pictures[0], (0, 0))
-    both.paste(pictures[1], (pictures[0].width, 0))
-    both.save(f"{folder}/side_by_side.png")
+    join(f"{folder}/without_occlusion.png", f"{folder}/with_occlusion.png", f"{folder}/side_by_side.png")
+    more, caption = draw_tetrahedra(data, folder)
+    rows += more
     print(f"{'stage':28s}{'time/ms':>10s}{'samples taken':>16s}{'samples skipped':>17s}")
     for stage, seconds, taken, skipped in rows:
         print(f"{stage:28s}{1e3 * seconds:10.1f}{taken!s:>16s}{skipped!s:>17s}")
     print(CAPTION)
-    print(f"pictures: {folder}/without_occlusion.png, with_occlusion.png, side_by_side.png")
+    print(caption)
+    print(f"pictures: {folder}/without_occlusion.png, with_occlusion.png, side_by_side.png, brain_tetrahedra.png")
 
 
 if __name__ == "__main__":
