@@ -57,11 +57,11 @@ typedef struct chi_tet_order_view
 typedef struct chi_tet_order_info
 {
   size_t struct_size;
-  int32_t used;   /**< CHI_TET_ORDER_... of the keys; never AUTO. TANGENTIAL where AUTO found
-                       a lift, whichever */
-  int32_t lift;   /**< 1: keys are exact: the lift is convex across all faces and the mesh is
-                       convex */
-  int64_t cycles; /**< broken in the last keys */
+  int32_t used; /**< CHI_TET_ORDER_... of the keys; never AUTO. TANGENTIAL where AUTO found
+                     a lift, whichever */
+  int32_t lift; /**< 1: keys are exact: the lift is convex across all faces, and the mesh is convex
+                   or part of the convex surface over its points */
+  int64_t cycles;         /**< broken in the last keys */
   int64_t interior_faces; /**< between two tetrahedra */
   int64_t boundary_faces; /**< of one tetrahedron */
   int64_t bad_faces;      /**< of more than two, or of two on the same side */
@@ -123,8 +123,8 @@ CHI_API void chi_tet_order_destroy(const chi_exec* exec, chi_tet_order* order);
  *              plane than these tell, below 1e-7 rad for a million cells. Sorts are exact: signs
  * are. Determinism  same keys for any number of threads and any parallel_for. Non-finite tetrahedra
  * with such coordinates stand anywhere. Cost         1 ns a tetrahedron for a lift; a topological
- * sort takes some sixty times as long. Allocates only where a view has more exterior faces at its
- * pixels than all before.
+ * sort takes some a hundred times as long. Allocates only where a view has more exterior faces at
+ * its pixels than all before.
  */
 CHI_API CHI_NODISCARD chi_status chi_tet_order_keys(const chi_exec* exec, chi_tet_order* order,
   const chi_tet_order_view* view, uint32_t* keys, int32_t* bits);
