@@ -112,7 +112,8 @@ static chi_status analyse(const chi_exec* exec, chi_tet_order* order)
   {
     const chi_order_lift* const lift = &order->lift;
     int32_t holds = order->shape.convex;
-    status = chi_order_lift_find(exec, &order->lift, mesh, &order->adjacency, automatic);
+    status = chi_order_lift_find(
+      exec, &order->lift, mesh, &order->adjacency, automatic ? 1 + (order->shape.convex != 0) : 0);
     if (status == CHI_OK && !holds && lift->usable && lift->tied == 0)
     {
       status = chi_order_lift_supports(exec, lift, mesh, &holds);

@@ -78,18 +78,26 @@ typedef struct chi_order_lift
   chi_buffer planes;          /* int32 [4 x tetrahedra]: gradient, value at the center */
   chi_buffer groups;          /* uint32 [group_count + 1] where its members start */
   chi_buffer members;         /* chi_order_member [member_count] */
+  chi_buffer heights;         /* double [points], while it is sought, in place of the form */
   chi_buffer outliers;        /* chi_order_outlier [outlier_count] */
   size_t group_count, member_count, outlier_count;
   int64_t tied, wrong; /* faces */
   int32_t usable;      /* faces that are not told apart lie within small groups, none is wrong */
 } chi_order_lift;
 
-/* `general`: forms other than |x|^2 are tried where that is not strictly convex. */
+/* `general`: 1: forms other than |x|^2 are tried where that is not strictly convex; 2: then
+ * heights, which say nothing of bodies that are not convex. */
 chi_status chi_order_lift_find(const chi_exec* exec, chi_order_lift* lift,
   const chi_tet_mesh_view* mesh, const chi_order_adjacency* adjacency, int general);
 /* Whether all points lie above each plane: then the body need not be convex. */
 chi_status chi_order_lift_supports(const chi_exec* exec, const chi_order_lift* lift,
   const chi_tet_mesh_view* mesh, int32_t* supports);
+/* A point in the lift's coordinates. */
+void chi_order_lower(const chi_order_lift* lift, const double x[3], double y[3]);
+/* Heights by vertex that make all interior faces convex, as far as floats tell; `found` 0: none,
+ * and lift->form is lost. */
+chi_status chi_order_heights_find(const chi_exec* exec, chi_order_lift* lift,
+  const chi_tet_mesh_view* mesh, const chi_order_adjacency* adjacency, int* found);
 void chi_order_lift_free(const chi_exec* exec, chi_order_lift* lift);
 
 /* Where one looks from, in the mesh's own coordinates. */

@@ -60,7 +60,7 @@ typedef struct simplex
   double gradient[3];
 } simplex;
 
-static void lower(const chi_order_lift* lift, const double x[3], double y[3])
+void chi_order_lower(const chi_order_lift* lift, const double x[3], double y[3])
 {
   const double d[3] = { x[0] - lift->center[0], x[1] - lift->center[1], x[2] - lift->center[2] };
   for (int k = 0; k < 3; ++k)
@@ -89,9 +89,13 @@ static double dot(const double* a, const double* b, int n)
   return sum;
 }
 
-static double height(const chi_order_lift* lift, const double y[3])
+static double height(const chi_order_lift* lift, size_t vertex, const double y[3])
 {
   double q[6];
+  if (lift->heights.data)
+  {
+    return ((const double*)lift->heights.data)[vertex];
+  }
   squares(y, q);
   return dot(lift->form, q, 6);
 }
@@ -104,8 +108,8 @@ static int raise_simplex(
   chi_order_corners(mesh, t, x);
   for (int i = 0; i < 4; ++i)
   {
-    lower(lift, x[i], s->y[i]);
-    s->h[i] = height(lift, s->y[i]);
+    chi_order_lower(lift, x[i], s->y[i]);
+    s->h[i] = height(lift, mesh->vertices[4 * t + (size_t)i], s->y[i]);
   }
   for (int i = 0; i < 3; ++i)
   {
@@ -230,8 +234,8 @@ static size_t apex(const chi_tet_mesh_view* mesh, const uint32_t* neighbors, uin
 
 /* By how much the apex of a neighbour lies above the plane of s: as a multiple of the form, in
  * constraint, and of the lift as it is; the face's side; and the bounds of rounding. */
-static double rise(
-  const lift_job* it, const simplex* s, const double y[3], int i, double* distance, double* error)
+static double rise(const lift_job* it, const simplex* s, size_t vertex, const double y[3], int i,
+  double* distance, double* error)
 {
   double away[3], normal[3], reach = 0;
   const double* const on = s->y[i == 0 ? 1 : 0];
@@ -242,7 +246,7 @@ static double rise(
     from[k] = y[k] - on[k];
     normal[k] = i ? s->normal[i - 1][k] : -(s->normal[0][k] + s->normal[1][k] + s->normal[2][k]);
   }
-  const double up = height(it->lift, y) - s->h[0];
+  const double up = height(it->lift, vertex, y) - s->h[0];
   for (int j = 0; j < 3; ++j)
   {
     double size = 0;
@@ -317,8 +321,9 @@ static void judge_faces(void* data, size_t begin, size_t end)
         }
         known = 1;
         double x[3], y[3];
-        chi_view_get(&it->mesh->points, apex(it->mesh, it->neighbors, (uint32_t)t, u), x);
-        lower(it->lift, x, y);
+        const size_t vertex = apex(it->mesh, it->neighbors, (uint32_t)t, u);
+        chi_view_get(&it->mesh->points, vertex, x);
+        chi_order_lower(it->lift, x, y);
         if (it->searches)
         {
           double q[6];
@@ -334,7 +339,7 @@ static void judge_faces(void* data, size_t begin, size_t end)
           continue;
         }
         double distance, error;
-        const double up = rise(it, &s, y, i, &distance, &error);
+        const double up = rise(it, &s, vertex, y, i, &distance, &error);
         const double least = error + tie * distance;
         if (!(distance > 0) || up < -least)
         {
@@ -665,7 +670,7 @@ chi_status chi_order_lift_find(const chi_exec* exec, chi_order_lift* lift,
     {
       x[k] = corner >> k & 1 ? sum.high[k] : sum.low[k];
     }
-    lower(lift, x, y);
+    chi_order_lower(lift, x, y);
     job.radius = fmax(job.radius, sqrt(dot(y, y, 3)));
   }
   /* a thousandth tied is what repairing them costs less than a search; a sample is asked first */
@@ -685,7 +690,16 @@ chi_status chi_order_lift_find(const chi_exec* exec, chi_order_lift* lift,
     int found = 0;
     memcpy(first, lift->form, sizeof first);
     status = search(exec, &job, form, &found);
-    memcpy(lift->form, found ? form : first, sizeof first);
+    int has_heights = 0;
+    if (status == CHI_OK && general > 1 && !found && planes.flat == 0)
+    {
+      status = chi_order_heights_find(exec, lift, mesh, adjacency, &has_heights);
+    }
+    if (!has_heights)
+    {
+      chi_buffer_free(exec, &lift->heights);
+      memcpy(lift->form, found ? form : first, sizeof first);
+    }
     if (status == CHI_OK)
     {
       status = judge(exec, &job, &planes, &faces);
@@ -722,6 +736,7 @@ chi_status chi_order_lift_find(const chi_exec* exec, chi_order_lift* lift,
   {
     status = gather_ties(exec, &job, adjacency);
   }
+  chi_buffer_free(exec, &lift->heights); /* the planes tell all */
   return status;
 }
 
@@ -731,4 +746,5 @@ void chi_order_lift_free(const chi_exec* exec, chi_order_lift* lift)
   chi_buffer_free(exec, &lift->groups);
   chi_buffer_free(exec, &lift->members);
   chi_buffer_free(exec, &lift->outliers);
+  chi_buffer_free(exec, &lift->heights);
 }

@@ -138,10 +138,26 @@ static void huge_spheres_at_the_hull_harm_nobody(void)
   order_mesh_free(&m);
 }
 
-/* Points moved so far that no form is right, and not yet so far that cells fold. */
+/* Points moved so far that no form is right; heights of vertices are. */
+static void moved_points_have_heights(void)
+{
+  for (uint32_t seed = 1; seed <= 3; ++seed)
+  {
+    order_mesh m = order_mesh_cubes(4, 0.48, seed);
+    chi_tet_order_info info;
+    CHECK(judge_views(&m, CHI_TET_ORDER_AUTO, &info) == 0);
+    CHECK(info.used == CHI_TET_ORDER_TANGENTIAL && info.lift == 1);
+    CHECK(info.tied_faces == 0 && info.wrong_faces == 0);
+    CHECK(judge_views(&m, CHI_TET_ORDER_TANGENTIAL, &info) > 0);
+    CHECK(info.wrong_faces > 0 && info.lift == 0);
+    order_mesh_free(&m);
+  }
+}
+
+/* And of others neither are found, though no cell is folded yet. */
 static void moved_points_are_sorted_by_their_faces(void)
 {
-  order_mesh m = order_mesh_cubes(4, 0.48, 3);
+  order_mesh m = order_mesh_cubes(4, 0.48, 5);
   chi_tet_order_info info;
   CHECK(judge_views(&m, CHI_TET_ORDER_AUTO, &info) == 0);
   CHECK(info.used == CHI_TET_ORDER_MPVO && info.convex == 1 && info.cycles == 0);
@@ -320,6 +336,7 @@ int main(void)
   sheared_cubes_have_a_lift();
   ties_are_told_apart_by_their_faces();
   huge_spheres_at_the_hull_harm_nobody();
+  moved_points_have_heights();
   moved_points_are_sorted_by_their_faces();
   gaps_are_looked_up_at_pixels();
   a_lift_of_pieces_is_not_trusted();

@@ -35,7 +35,7 @@ static chi_status run(const chi_exec* exec, const order_mesh* m, int method, int
   return status;
 }
 
-/* Meshes that need each of the ways: a lift, one with ties, faces, gaps. */
+/* Meshes that need each of the ways: a form, one with ties, heights, gaps. */
 static order_mesh make(int kind)
 {
   order_mesh m = kind == 1 ? order_mesh_centered(1, 5) : order_mesh_cubes(4, kind * 0.24, 3);
