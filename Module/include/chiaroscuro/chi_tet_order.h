@@ -94,8 +94,8 @@ typedef struct chi_tet_order_info
  *              resolution: a Delaunay mesh is not trusted.
  * Determinism  same results for any number of threads and any parallel_for.
  * Non-finite   tetrahedra with such coordinates have no lift: AUTO then sorts.
- * Cost         linear; 80 bytes a tetrahedron while it runs, then up to 16 with a lift, up to 25
- *              where faces are sorted, and what the exterior faces' pixels take.
+ * Cost         linear; up to 100 bytes a tetrahedron while it runs, then up to 16 with a lift, up
+ * to 25 where faces are sorted, and what the exterior faces' pixels take.
  */
 CHI_API CHI_NODISCARD chi_status chi_tet_order_create(
   const chi_exec* exec, const chi_tet_mesh_view* mesh, int32_t method, chi_tet_order** order);
