@@ -168,6 +168,29 @@ static void sort_pass(const uint64_t* from, uint64_t* to, size_t n, uint64_t low
   }
 }
 
+/* Sorts what is nearly sorted; 0 where that would take long, as in layers that one looks at along
+ * an axis. Entries of equal keys keep the order of their indices either way. */
+static int insert(uint64_t* list, size_t n)
+{
+  size_t moves = 0;
+  for (size_t i = 1; i < n; ++i)
+  {
+    const uint64_t entry = list[i];
+    size_t j = i;
+    for (; j > 0 && list[j - 1] > entry; --j)
+    {
+      list[j] = list[j - 1];
+    }
+    list[j] = entry;
+    moves += i - j;
+    if (moves > 2 * n)
+    {
+      return 0;
+    }
+  }
+  return 1;
+}
+
 /* By the upper 22 bits of what keys differ by, in two passes, which the result is back in place
  * after; then what few entries are alike in these by all bits. */
 static void sort(uint64_t* list, uint64_t* other, size_t n, int32_t bits)
@@ -194,18 +217,12 @@ static void sort(uint64_t* list, uint64_t* other, size_t n, int32_t bits)
   }
   sort_pass(list, other, n, low, shift);
   sort_pass(other, list, n, low, shift + 11);
-  if (shift > 32)
+  if (shift > 32 && !insert(list, n))
   {
-    for (size_t i = 1; i < n; ++i)
-    {
-      const uint64_t entry = list[i];
-      size_t j = i;
-      for (; j > 0 && list[j - 1] > entry; --j)
-      {
-        list[j] = list[j - 1];
-      }
-      list[j] = entry;
-    }
+    sort_pass(list, other, n, low, 32);
+    sort_pass(other, list, n, low, 43);
+    sort_pass(list, other, n, low, 54);
+    memcpy(list, other, n * sizeof *list);
   }
 }
 

@@ -323,8 +323,10 @@ CHI_INLINE void evaluate(tile_state* t, int lane, vf x, vf y, vi pixel, vi wante
     if (cuts)
     {
       const vf end = vf_load(exact[1]);
-      const vf lower = parallel ? from : z0 / (1.0f - from) - z0;
-      const vf upper = parallel ? to : z0 / (1.0f - to) - z0;
+      /* w of 1 lies at infinity; beyond there is no cut, or nothing is left */
+      const vf never = vf_set(3e38f);
+      const vf lower = parallel ? from : vf_select(from < 1.0f, z0 / (1.0f - from) - z0, never);
+      const vf upper = parallel ? to : vf_select(to < 1.0f, z0 / (1.0f - to) - z0, never);
       const vi later = lower > entry, sooner = upper < end;
       const vf start = vf_select(later, lower, entry), stop = vf_select(sooner, upper, end);
       dz = vf_select((later | sooner) & (dz > 0.0f), stop - start, dz);
