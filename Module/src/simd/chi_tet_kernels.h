@@ -89,6 +89,8 @@ typedef struct chi_tet_window
   const uint32_t* vertices;
   int32_t width, height;
   int32_t any_near; /* a point is NaN */
+  const chi_tet_point* points;
+  double first[2], step[2], near_depth; /* as of the scene; in perspective, where points are NaN */
 } chi_tet_window;
 
 enum

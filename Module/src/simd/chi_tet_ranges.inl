@@ -28,25 +28,17 @@ static uint32_t range_of_box(const chi_tet_window* w, const float low[2], const 
   return range;
 }
 
-/* One that crosses the near plane may be anywhere. */
+/* One that may cross the near plane. */
 static uint32_t range_at_near_plane(const chi_tet_window* w, const uint32_t v[4])
 {
-  int near_points = 0;
-  float low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY };
-  for (int i = 0; i < 4; ++i)
+  double box[2][2];
+  if (!find_box(w->points, v, w->near_depth, 0, w->first, w->step, box))
   {
-    const float* const p = w->screen[v[i]];
-    near_points += isnan(p[0]) != 0;
-    for (int k = 0; k < 2; ++k)
-    {
-      low[k] = p[k] < low[k] ? p[k] : low[k];
-      high[k] = p[k] > high[k] ? p[k] : high[k];
-    }
+    return CHI_TET_OUTSIDE;
   }
-  return near_points == 0 ? range_of_box(w, low, high)
-    : near_points == 4    ? CHI_TET_OUTSIDE
-                          : (uint32_t)(w->width - 1) >> CHI_TET_TILE_SHIFT << 16 |
-      (uint32_t)(w->height - 1) >> CHI_TET_TILE_SHIFT << 24;
+  const float low[2] = { (float)box[0][0], (float)box[0][1] };
+  const float high[2] = { (float)box[1][0], (float)box[1][1] };
+  return range_of_box(w, low, high);
 }
 
 static void ranges(const chi_tet_window* w, size_t begin, size_t end, uint32_t* out)

@@ -206,6 +206,46 @@ CHI_INLINE vh high_float(vd bits)
   return (vh) __builtin_convertvector((vl)bits >> 32, vhi);
 }
 
+static void add_to_box(
+  double x, double y, const double first[2], const double step[2], double box[2][2])
+{
+  const double at[2] = { (x - first[0]) / step[0], (y - first[1]) / step[1] };
+  for (int k = 0; k < 2; ++k)
+  {
+    box[0][k] = at[k] < box[0][k] ? at[k] : box[0][k];
+    box[1][k] = at[k] > box[1][k] ? at[k] : box[1][k];
+  }
+}
+
+/* The pixels around what of a tetrahedron lies behind the near plane; 0 where nothing does. */
+static __attribute__((noinline)) int find_box(const chi_tet_point* points, const uint32_t v[4],
+  double near_depth, int parallel, const double first[2], const double step[2], double box[2][2])
+{
+  box[0][0] = box[0][1] = INFINITY;
+  box[1][0] = box[1][1] = -INFINITY;
+  for (int i = 0; i < 4; ++i)
+  {
+    const chi_tet_point* const a = points + v[i];
+    const int behind = a->z >= near_depth;
+    if (behind)
+    {
+      const double w = parallel ? 1 : 1 / a->z;
+      add_to_box(a->x * w, a->y * w, first, step, box);
+    }
+    for (int j = 0; j < i; ++j) /* edges through the near plane */
+    {
+      const chi_tet_point* const b = points + v[j];
+      if (behind != (b->z >= near_depth))
+      {
+        const double t = (near_depth - a->z) / (b->z - a->z), w = parallel ? 1 : 1 / near_depth;
+        add_to_box(
+          (a->x + t * (b->x - a->x)) * w, (a->y + t * (b->y - a->y)) * w, first, step, box);
+      }
+    }
+  }
+  return box[0][0] <= box[1][0];
+}
+
 /* Where rows meet the six projected edges, for boxes too wide to try every pixel of. */
 CHI_INLINE void set_edges(batch* r, int o, const vh sx[4], const vh sy[4])
 {
@@ -291,6 +331,25 @@ CHI_INLINE void set_up(batch* r, int o, const chi_tet_scene* scene, int32_t tile
   y0 = vh_select(wild, zero, vh_max(y0, zero));
   x1 = vh_select(wild, last, vh_min(x1, last));
   y1 = vh_select(wild, last, vh_min(y1, last));
+  for (int i = 0; i < HALF_LANES; ++i)
+  {
+    double box[2][2];
+    if (wild[i])
+    {
+      const double first[2] = { left, bottom };
+      if (!find_box(scene->points, at[i], scene->near_depth, parallel, first, scene->step, box))
+      {
+        box[0][0] = CHI_TET_TILE;
+      }
+      const double margin = 1e-6; /* of a pixel, and more than the roundings of its place */
+      x0[i] = box[0][0] - margin > 0 ? (float)fmin(box[0][0] - margin, CHI_TET_TILE) : 0;
+      y0[i] = box[0][1] - margin > 0 ? (float)fmin(box[0][1] - margin, CHI_TET_TILE) : 0;
+      x1[i] = box[1][0] + margin < CHI_TET_TILE - 1 ? (float)fmax(box[1][0] + margin, -1)
+                                                    : CHI_TET_TILE - 1;
+      y1[i] = box[1][1] + margin < CHI_TET_TILE - 1 ? (float)fmax(box[1][1] + margin, -1)
+                                                    : CHI_TET_TILE - 1;
+    }
+  }
   /* beyond the tile on the far side: an empty box all the same */
   const vhi first_x = vh_ceil(vh_min(x0, vh_set(CHI_TET_TILE)));
   const vhi first_y = vh_ceil(vh_min(y0, vh_set(CHI_TET_TILE)));
