@@ -76,11 +76,11 @@ static void bench_homogeneous(size_t n, int view, int parallel)
       ++count;
     }
   }
-  char parameter[64];
-  snprintf(
-    parameter, sizeof parameter, "%s %s", names[view], parallel ? "parallel" : "perspective");
-  print_errors("homogeneous cube", "partial", parameter, mesh->count, time,
-    count ? sum / (double)count : 0, most);
+  char name[64], parameter[32];
+  snprintf(name, sizeof name, "cube %s %s", names[view], parallel ? "parallel" : "perspective");
+  snprintf(parameter, sizeof parameter, "n = %zu", n);
+  print_errors(
+    name, "partial", parameter, mesh->count, time, count ? sum / (double)count : 0, most);
   chi_tet_destroy(NULL, tet);
   tet_mesh_free(mesh);
 }

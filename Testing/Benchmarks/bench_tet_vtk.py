@@ -114,7 +114,8 @@ class Scene:
 
 
 def row(case, method, parameter, n, seconds, error="", kind=""):
-    print(f"tet,{case},{method},{parameter},{n},2,{1e9 * seconds:.0f},{error},{kind}", flush=True)
+    size = f"{n / 1e6:.1f} M"
+    print(f"tet,{case} {size},{method},{parameter},{n},2,{1e9 * seconds:.0f},{error},{kind}", flush=True)
 
 
 def bench(n):
@@ -145,7 +146,7 @@ def bench(n):
         row("moving camera", name, "partial" if scene is ours else "", count, seconds, f"{error:.4f}", "mean of 255")
 
     changed = {}
-    for name, scene, limit in (("VTK", peer, 0), ("chiaroscuro", ours, 0), ("chiaroscuro, fragments kept", ours, 1024)):
+    for name, scene, limit in (("VTK", peer, 0), ("chiaroscuro", ours, 0), ("chiaroscuro with kept fragments", ours, 1024)):
         if scene is ours:
             ours.mapper.SetFragmentCacheLimit(limit)
         times = []
@@ -156,10 +157,9 @@ def bench(n):
         row("transfer function", name, "", count, changed[name])
     for name, scene in (("chiaroscuro", ours), ("VTK", peer)):
         row("nothing changed", name, "", count, min(scene.frame() for _ in range(3)))
-    row("memory", "chiaroscuro", "bytes a tetrahedron", count, 0.0,
-        f"{(ours.mapper.GetMeshBytes() + ours.mapper.GetFrameBytes()) / count:.1f}", "bytes")
+    held = (ours.mapper.GetMeshBytes() + ours.mapper.GetFrameBytes()) / count
     print(f"# {count} tetrahedra: moving {least / best:.1f} x, transfer function {changed['VTK'] / changed['chiaroscuro']:.1f} x, "
-          f"fragments kept {changed['VTK'] / changed['chiaroscuro, fragments kept']:.1f} x", file=sys.stderr)
+          f"fragments kept {changed['VTK'] / changed['chiaroscuro with kept fragments']:.1f} x; {held:.1f} bytes a tetrahedron", file=sys.stderr)
 
 
 def main():
