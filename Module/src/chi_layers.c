@@ -82,13 +82,13 @@ float chi_layer_receiver(const chi_scene* s, const chi_occlusion_frame* frame, i
 
 static float* layer_row(const march* m, int which, int64_t y)
 {
-  return m->layer_planes + ((size_t)y * LAYER_PLANES + (size_t)which) * m->stride;
+  return m->layer_planes + ((size_t)y * LAYER_PLANES + (size_t)which) * m->light.stride;
 }
 
 static void collect_row(const march* m, int64_t y)
 {
   const chi_scene* const s = m->scene;
-  const float* const surface = m->frame->surface ? picture(m, SURFACE, y) : NULL;
+  const float* const surface = m->frame->surface ? surface_row(&m->light, SURFACE, y) : NULL;
   float* const next = m->layer_next + (size_t)y * (size_t)m->cells_x;
   for (int64_t x = 0; x < s->width; ++x)
   {
@@ -108,7 +108,7 @@ static void collect_row(const march* m, int64_t y)
       }
       nearest = fminf(nearest, depth);
     }
-    m->layer_done[(size_t)y * m->stride + (size_t)x] = 0;
+    m->layer_done[(size_t)y * m->light.stride + (size_t)x] = 0;
     float* const cell = next + x / CHI_CELL_WIDTH;
     *cell = x % CHI_CELL_WIDTH == 0 ? nearest : fminf(*cell, nearest);
   }
@@ -120,10 +120,10 @@ static const float* receiver_row(const march* m, int slot, int64_t y)
   return layer_row(m, slot == edge_of(m->frame) ? LAYER_RECEIVER : LAYER_DEPTH + slot, y);
 }
 
-/* Step of the march that lights geometry at this depth; see chi_march_receiver_plane. */
+/* Step of the march that lights geometry at this depth; see chi_light_receiver_plane. */
 static float step_of(const march* m, float slices)
 {
-  return (float)(floor(chi_march_receiver_plane(m->scene, (double)slices)) + 2);
+  return (float)(floor(chi_light_receiver_plane(m->scene, (double)slices)) + 2);
 }
 
 static void collect_rows(void* data, size_t begin, size_t end)
@@ -132,8 +132,8 @@ static void collect_rows(void* data, size_t begin, size_t end)
   const chi_scene* const s = m->scene;
   for (size_t by = begin; by < end && !chi_is_cancelled(m->exec); ++by)
   {
-    float* const steps = m->layer_steps + 2 * by * (size_t)m->segments;
-    for (int k = 0; k < m->segments; ++k)
+    float* const steps = m->layer_steps + 2 * by * (size_t)m->light.segments;
+    for (int k = 0; k < m->light.segments; ++k)
     {
       steps[2 * k] = INFINITY;
       steps[2 * k + 1] = -INFINITY;
@@ -162,8 +162,8 @@ static void collect_rows(void* data, size_t begin, size_t end)
 /* After the surface's depths are known. */
 chi_status chi_layers_plan(march* m)
 {
-  const size_t next = m->rows * (size_t)m->cells_x;
-  const size_t steps = 2 * (size_t)m->scene->light_height * (size_t)m->segments;
+  const size_t next = m->light.rows * (size_t)m->cells_x;
+  const size_t steps = 2 * (size_t)m->scene->light_height * (size_t)m->light.segments;
   if (!chi_buffer_reserve(
         m->exec, &m->keep->layers, LAYER_PLANES * m->plane + next + steps, sizeof(float)) ||
     !chi_buffer_reserve(m->exec, &m->keep->layer_flags, m->plane, 1))
@@ -201,9 +201,10 @@ void chi_layers_light(const march* m, int64_t step, int64_t by)
 {
   const chi_scene* const s = m->scene;
   const float now = (float)step;
-  for (int k = 0; k < m->segments; ++k)
+  for (int k = 0; k < m->light.segments; ++k)
   {
-    const float* const range = m->layer_steps + 2 * ((size_t)by * (size_t)m->segments + (size_t)k);
+    const float* const range =
+      m->layer_steps + 2 * ((size_t)by * (size_t)m->light.segments + (size_t)k);
     if (!(range[0] <= now) || !(range[1] >= now))
     {
       continue;
@@ -249,7 +250,7 @@ static int next_slot(const march* m, uint8_t done, int64_t x, int64_t y, float* 
 /* Blend the layers of a pixel that lie nearer than `depth` where nothing absorbs in between. */
 static void pass_layers(march* m, int64_t x, int64_t y, float depth, float* transmittance)
 {
-  uint8_t* const done = m->layer_done + (size_t)y * m->stride + (size_t)x;
+  uint8_t* const done = m->layer_done + (size_t)y * m->light.stride + (size_t)x;
   float at;
   for (int k = next_slot(m, *done, x, y, &at); k >= 0 && at <= depth;
        k = next_slot(m, *done, x, y, &at))
@@ -300,7 +301,7 @@ static void split_segment(march* m, chi_sample_row* row, int64_t x, int64_t y)
   stop = row->surface ? fminf(stop, row->surface[x]) : stop;
   const float before = layer_row(m, LAYER_RED + 3, y)[x], after = row->transmittance[x];
   const float absorbed = before - after;
-  uint8_t* const done = m->layer_done + (size_t)y * m->stride + (size_t)x;
+  uint8_t* const done = m->layer_done + (size_t)y * m->light.stride + (size_t)x;
   float through = 1, last = before, kept = 0; /* share of the segment's colour */
   float at;
   for (int k = next_slot(m, *done, x, y, &at); k >= 0 && at < far;
@@ -345,7 +346,7 @@ void chi_layers_after(march* m, chi_sample_row* row, int64_t y, int first_cell, 
     {
       float depth;
       split_segment(m, row, x, y);
-      next_slot(m, m->layer_done[(size_t)y * m->stride + (size_t)x], x, y, &depth);
+      next_slot(m, m->layer_done[(size_t)y * m->light.stride + (size_t)x], x, y, &depth);
       next[cell] = fminf(next[cell], depth);
     }
   }

@@ -245,7 +245,7 @@ static void place_surfaces(void* data, size_t begin, size_t end)
     const float slices = it->planes[i], receiver = it->planes[count + i];
     const float from = it->planes[2 * count + i], to = it->planes[3 * count + i];
     const int any = receiver < INFINITY, blocks = from < INFINITY;
-    const double plane = any ? chi_march_receiver_plane(s, (double)receiver) : INFINITY;
+    const double plane = any ? chi_light_receiver_plane(s, (double)receiver) : INFINITY;
     surface[i][0] = slices;
     surface[i][1] = (float)plane;
     surface[i][2] = from;

@@ -61,7 +61,7 @@ static void place_layers(void* data, size_t begin, size_t end)
       if (k < count)
       {
         const float* const color = chi_layer_color(it->frame, slot[k], x, y);
-        const double plane = chi_march_receiver_plane(
+        const double plane = chi_light_receiver_plane(
           it->scene, (double)chi_layer_receiver(it->scene, it->frame, slot[k], x, y, depth[k]));
         memcpy(rgba, color, 4 * sizeof(float));
         layer[0] = depth[k];

@@ -281,6 +281,13 @@ typedef struct chi_light_field
   chi_buffer tiles;      /* uint8 [2 + ring][rows][segments]: TILE_... */
 } chi_light_field;
 
+/* Buffers of light planes, kept between frames. */
+typedef struct chi_light_buffers
+{
+  chi_light_field field[2][3]; /* for matter, for geometry; [channels] */
+  chi_buffer steps, reach, scratch, tau_flag, touched, last_served;
+} chi_light_buffers;
+
 /* The kinds of skipping that are on, as one bit each. */
 static inline int chi_skip_kinds(const chi_occlusion_params* params)
 {
@@ -315,11 +322,10 @@ typedef struct chi_march
   float crossing_transmittance;
   const struct chi_component_set* components; /* with frame->components */
   chi_buffer planes; /* float, picture-sized state; see chi_occlusion_march.c */
-  chi_buffer cells, last_slab, live, live_row, sampled, done, order, reach, steps, last_served,
-    touched, scratch;
+  chi_buffer cells, last_slab, live, live_row, sampled, done, order, band_rows;
   chi_buffer layers, layer_flags; /* see chi_layers.c */
-  chi_light_field field[2][3];    /* for the volume, for geometry; [channels] */
-  chi_buffer tint;                /* float; see chi_occlusion_march.h */
+  chi_light_buffers light;
+  chi_buffer tint; /* float; see chi_occlusion_march.h */
 } chi_march;
 
 /* A frame at a fraction of the resolution; chi_reduction.c. */

@@ -49,10 +49,10 @@ static void find_need(march* m, int64_t block, int band, uint8_t* need)
   const int all = !(m->skip & CHI_SKIP_UNREACHED_LIGHT) || m->frame->probes;
   int64_t rows[2];
   chi_march_band_rows(m, band, rows);
-  memset(need, all, (size_t)m->segments);
-  if (!m->fields)
+  memset(need, all, (size_t)m->light.segments);
+  if (!m->light.fields)
   {
-    memset(need, 0, (size_t)m->segments);
+    memset(need, 0, (size_t)m->light.segments);
     return;
   }
   for (int other = 0; other < m->bands && !all; ++other)
@@ -64,10 +64,10 @@ static void find_need(march* m, int64_t block, int band, uint8_t* need)
     const int64_t gap_y = there[0] >= rows[1] ? there[0] - rows[1] + 1
       : rows[0] >= there[1]                   ? rows[0] - there[1] + 1
                                               : 0;
-    for (int k = 0; k < m->segments; ++k)
+    for (int k = 0; k < m->light.segments; ++k)
     {
-      const int64_t* const pending = m->last_slab[(int64_t)other * m->segments + k];
-      const int live = known < 0 || m->live[(known * m->bands + other) * m->segments + k];
+      const int64_t* const pending = m->last_slab[(int64_t)other * m->light.segments + k];
+      const int live = known < 0 || m->live[(known * m->bands + other) * m->light.segments + k];
       int64_t last = live ? pending[0] : -1;
       last = pending[1] > last ? pending[1] : last;
       if (last < slab)
@@ -75,15 +75,15 @@ static void find_need(march* m, int64_t block, int band, uint8_t* need)
         continue;
       }
       /* What stands in the light planes now moves in this slab already. */
-      const double reach = m->reach[last] - (slab > 0 ? m->reach[slab - 1] : 0);
+      const double reach = m->light.reach[last] - (slab > 0 ? m->light.reach[slab - 1] : 0);
       if ((double)gap_y > reach + 1)
       {
         continue;
       }
-      const int spread =
-        reach < CHI_SEGMENT * m->segments ? (int)(reach / CHI_SEGMENT) + 1 : m->segments;
+      const int spread = reach < CHI_SEGMENT * m->light.segments ? (int)(reach / CHI_SEGMENT) + 1
+                                                                 : m->light.segments;
       const int first = k > spread ? k - spread : 0;
-      const int end = k + spread < m->segments ? k + spread : m->segments - 1;
+      const int end = k + spread < m->light.segments ? k + spread : m->light.segments - 1;
       memset(need + first, 1, (size_t)(end - first + 1));
     }
   }
@@ -93,15 +93,16 @@ static void find_need(march* m, int64_t block, int band, uint8_t* need)
 static void update_live(march* m, int64_t block, int band, int64_t slab, int64_t row0, int64_t row1)
 {
   const chi_scene* const s = m->scene;
-  uint8_t* const live = m->live + (block * m->bands + band) * m->segments;
+  uint8_t* const live = m->live + (block * m->bands + band) * m->light.segments;
   const float now = (float)((slab + 1) * s->group);
-  memset(live, 0, (size_t)m->segments);
+  memset(live, 0, (size_t)m->light.segments);
   for (int64_t y = row0 * s->scale; y < row1 * s->scale && y < s->height; ++y)
   {
     uint8_t* const row = m->live_row + y * m->cells_x;
     const float* const transmittance = picture(m, TRANSMITTANCE, y);
-    const float* const surface =
-      m->frame->surface && (m->skip & CHI_SKIP_BEHIND_GEOMETRY) ? picture(m, SURFACE, y) : NULL;
+    const float* const surface = m->frame->surface && (m->skip & CHI_SKIP_BEHIND_GEOMETRY)
+      ? surface_row(&m->light, SURFACE, y)
+      : NULL;
     for (int cx = 0; cx < m->cells_x; ++cx)
     {
       const int x0 = cx * CHI_CELL_WIDTH;
@@ -123,10 +124,26 @@ static void update_live(march* m, int64_t block, int band, int64_t slab, int64_t
   }
 }
 
+/* One slab's light for a band of rows, and what receives it. */
+static void light_band(
+  march* m, int64_t slab, const int64_t rows[2], const uint8_t* need, light_counts* counts)
+{
+  chi_light_band(&m->light, slab, rows, need, counts);
+  for (int64_t y = rows[0]; y < rows[1] && m->frame->surface; ++y)
+  {
+    chi_march_light_surfaces(m, slab, y);
+  }
+  for (int64_t y = rows[0]; y < rows[1] && m->layers; ++y)
+  {
+    chi_layers_light(m, slab, y);
+  }
+  chi_march_read_probes(m, slab, rows[0], rows[1]);
+}
+
 static void run_task(march* m, int64_t block, int band)
 {
   const chi_scene* const s = m->scene;
-  uint8_t* const need = m->need + (int64_t)band * m->segments;
+  uint8_t* const need = m->need + (int64_t)band * m->light.segments;
   chi_sample_row row = { .frame = &m->sample };
   light_counts counts = { 0, 0, 0 };
   double seconds[2] = { 0, 0 };
@@ -135,7 +152,7 @@ static void run_task(march* m, int64_t block, int band)
   const int64_t end = slab + m->block < s->slabs ? slab + m->block : s->slabs;
   for (int64_t j = 0; slab < end; ++slab, ++j)
   {
-    row0 = (int64_t)band * BAND - (int64_t)m->skew * j;
+    row0 = (int64_t)band * BAND - (int64_t)m->light.skew * j;
     row1 = row0 + BAND;
     row0 = row0 > 0 ? row0 : 0;
     row1 = row1 < s->light_height ? row1 : s->light_height;
@@ -144,7 +161,8 @@ static void run_task(march* m, int64_t block, int band)
       continue;
     }
     const double t0 = chi_seconds();
-    memset(m->tau_flag + row0 * m->segments, 0, (size_t)((row1 - row0) * m->segments));
+    memset(
+      m->light.tau_flag + row0 * m->light.segments, 0, (size_t)((row1 - row0) * m->light.segments));
     const int has_samples = slab >= s->volume_begin && slab < s->volume_end;
     for (int64_t y = row0 * s->scale; has_samples && y < row1 * s->scale && y < s->height; ++y)
     {
@@ -156,18 +174,18 @@ static void run_task(march* m, int64_t block, int band)
       row.table_position = picture(m, TABLE_POSITION, y);
       row.sum = (int32_t*)(void*)picture(m, SUM, y);
       row.rest = picture(m, REST, y);
-      row.tau = tau_row(m, slab, y);
+      row.tau = tau_row(&m->light, slab, y);
       chi_march_sample_row(m, slab, y, band, &row);
     }
     const double t1 = chi_seconds();
     seconds[0] += t1 - t0;
-    if (!m->fields)
+    if (!m->light.fields)
     {
       chi_march_read_probes(m, slab, row0, row1);
       continue;
     }
     const int64_t rows[2] = { row0, row1 };
-    chi_march_light_band(m, slab, rows, need, &counts);
+    light_band(m, slab, rows, need, &counts);
     seconds[1] += chi_seconds() - t1;
   }
   if (row0 < row1)
@@ -300,7 +318,12 @@ chi_status chi_march_run(const chi_exec* exec, chi_march* keep, const chi_scene*
     .frame = frame,
     .kernels = chi_kernels(),
     .keep = keep,
-    .surfaces = rgba,
+    .light = { .exec = exec,
+      .scene = scene,
+      .params = frame->params,
+      .kernels = chi_kernels(),
+      .skip = chi_skip_kinds(frame->params),
+      .surfaces = frame->surface ? rgba : NULL },
     .seen = visibility,
     .bricks = bricks,
     .classification = classification,
@@ -317,11 +340,12 @@ chi_status chi_march_run(const chi_exec* exec, chi_march* keep, const chi_scene*
   if (status == CHI_OK && frame->surface)
   {
     status = chi_surface_intervals(exec, scene, frame->surface, frame->params->geometry_thickness,
-      GEOMETRY_PLANES * m.stride, m.stride, picture(&m, SURFACE, 0), picture(&m, RECEIVER, 0),
-      picture(&m, BLOCK_BEGIN, 0), picture(&m, BLOCK_END, 0));
+      GEOMETRY_PLANES * m.light.stride, m.light.stride, surface_row(&m.light, SURFACE, 0),
+      surface_row(&m.light, RECEIVER, 0), surface_row(&m.light, BLOCK_BEGIN, 0),
+      surface_row(&m.light, BLOCK_END, 0));
     if (status == CHI_OK)
     {
-      status = chi_for(exec, (size_t)scene->light_height, chi_march_gather_touched, &m);
+      status = chi_for(exec, (size_t)scene->light_height, chi_light_touch_rows, &m.light);
     }
   }
   if (status == CHI_OK && m.layers)
@@ -338,9 +362,9 @@ chi_status chi_march_run(const chi_exec* exec, chi_march* keep, const chi_scene*
   {
     for (int band = 0; band < m.bands; ++band)
     {
-      for (int k = 0; k < m.segments; ++k)
+      for (int k = 0; k < m.light.segments; ++k)
       {
-        chi_march_last_slab(&m, band, k, m.last_slab[band * m.segments + k]);
+        chi_march_last_slab(&m, band, k, m.last_slab[band * m.light.segments + k]);
       }
     }
     status = chi_for(exec, (size_t)(m.blocks * m.bands), run_tickets, &m);
@@ -389,7 +413,7 @@ chi_status chi_march_run(const chi_exec* exec, chi_march* keep, const chi_scene*
   result->light_updates = m.light_updates;
   result->skipped_light_updates =
     result->skipped[SKIPPED_SATURATED_LIGHT] + result->skipped[SKIPPED_UNREACHED_LIGHT];
-  result->light_bytes = (int64_t)m.light_bytes;
+  result->light_bytes = (int64_t)m.light.bytes;
   result->seconds_samples = 1e-9 * (double)m.nanoseconds[0];
   result->seconds_light = 1e-9 * (double)m.nanoseconds[1];
   return status;
@@ -398,22 +422,11 @@ chi_status chi_march_run(const chi_exec* exec, chi_march* keep, const chi_scene*
 void chi_march_free(const chi_exec* exec, chi_march* keep)
 {
   chi_buffer* const all[] = { &keep->planes, &keep->cells, &keep->last_slab, &keep->live,
-    &keep->live_row, &keep->sampled, &keep->done, &keep->order, &keep->reach, &keep->steps,
-    &keep->last_served, &keep->touched, &keep->scratch, &keep->layers, &keep->layer_flags,
-    &keep->tint };
+    &keep->live_row, &keep->sampled, &keep->done, &keep->order, &keep->band_rows, &keep->layers,
+    &keep->layer_flags, &keep->tint };
   for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
   {
     chi_buffer_free(exec, all[i]);
   }
-  for (int f = 0; f < 2; ++f)
-  {
-    for (int c = 0; c < 3; ++c)
-    {
-      chi_light_field* const field = &keep->field[f][c];
-      chi_buffer_free(exec, &field->light[0]);
-      chi_buffer_free(exec, &field->light[1]);
-      chi_buffer_free(exec, &field->visibility);
-      chi_buffer_free(exec, &field->tiles);
-    }
-  }
+  chi_light_free(exec, &keep->light);
 }

@@ -5,7 +5,7 @@
 
 /* What the parts of the march share; chi_occlusion_march.c says how it goes. */
 
-#include "chi_occlusion_internal.h"
+#include "chi_light_planes.h"
 
 #include <stdatomic.h>
 
@@ -29,32 +29,16 @@ enum
   TAU_OTHER, /* slabs take turns: the one before is still needed */
   ENTER,
   LEAVE,
-  VOLUME_PLANES, /* those of the surface follow, where the picture will lie in the end */
-  SURFACE = VOLUME_PLANES,
-  RECEIVER, /* depth from which the surface's bias counts */
-  BLOCK_BEGIN,
-  BLOCK_END,
-  PICTURE_PLANES,
-  GEOMETRY_PLANES = PICTURE_PLANES - VOLUME_PLANES, /* not more than the picture's channels */
-  LAYER_SLOTS = CHI_MAX_LAYERS + 1,                 /* a surface's edge is one more */
-  LAYER_DEPTH = 0, /* of chi_march.layers, a slot each: slices; INFINITY: none */
+  VOLUME_PLANES,                    /* those of the surface lie where the picture will be */
+  LAYER_SLOTS = CHI_MAX_LAYERS + 1, /* a surface's edge is one more */
+  LAYER_DEPTH = 0,                  /* of chi_march.layers, a slot each: slices; INFINITY: none */
   LAYER_WEIGHT = LAYER_DEPTH + LAYER_SLOTS,            /* transmittance in front of the layer */
   LAYER_VISIBILITY = LAYER_WEIGHT + LAYER_SLOTS,       /* before strength; a channel */
   LAYER_RECEIVER = LAYER_VISIBILITY + 3 * LAYER_SLOTS, /* depth from which the edge's bias counts */
   LAYER_RED = LAYER_RECEIVER + 1,                      /* and green, blue, transmittance: */
-  LAYER_PLANES = LAYER_RED + 4,                        /* a row before it is sampled */
-  LIGHT_TAU = 0,
-  GEOMETRY,
-  LIGHT_PLANES
+  LAYER_PLANES = LAYER_RED + 4                         /* a row before it is sampled */
 };
-
-/* What is known of the light of CHI_SEGMENT pixels, all directions. Joined by or. */
-enum
-{
-  TILE_BRIGHT = 1, /* 1 throughout */
-  TILE_DARK = 2,   /* 0 throughout */
-  TILE_MIXED = 3
-};
+_Static_assert(GEOMETRY_PLANES <= 4, "the surface's planes lie in the picture's channels");
 
 /* What a cell of pixels needs in a block of slabs. */
 enum
@@ -89,37 +73,22 @@ typedef struct march
   chi_sample_frame more[CHI_MAX_COMPONENTS - 1];
   chi_component_frame component_frame;
   float* planes;    /* [rows][VOLUME_PLANES][stride] */
-  float* surfaces;  /* [rows][GEOMETRY_PLANES][stride], in the memory of the picture */
-  float* scratch;   /* [LIGHT_PLANES][light rows][light_stride] */
   float* band_rows; /* [bands][channels][stride] */
   float* seen;      /* [height][width] visibility of the picture's surfaces; see next */
   float* tint;      /* [channels][rows][stride] the same; unused with one channel */
-  size_t stride, rows, plane;
-  /* Light: [rows][directions][light_stride], so that a row of all directions is contiguous (pages,
-   * cache sets); visibility: [ring][rows][light_stride]. Origins: pixel (0, 0) within the padding.
-   */
-  size_t light_stride, light_row, light_plane, light_origin, visibility_origin;
-  int64_t ring;
-  int skew, block, bands;
+  size_t plane;
+  chi_light_planes light; /* its surfaces lie in the memory of the picture */
+  int block, bands;
   int64_t blocks;
   int lag; /* bands by which a block must lead the next one */
-  int cells_x, cells_y, segments;
-  int shift_segments;      /* segments to either side that light may come from */
+  int cells_x, cells_y;
   uint8_t* cells;          /* [blocks][cells_y][cells_x] */
   int64_t (*last_slab)[2]; /* [bands][segments]: of samples, of surfaces that are yet to be lit */
   uint8_t* live;           /* [blocks][bands][segments] */
   uint8_t* live_row;       /* [rows][cells_x] RAYS_... */
   int64_t* sampled;        /* [rows][cells_x] segment sampled last */
-  uint8_t* tau_flag;       /* [light rows][segments] */
   uint8_t* tau_stale;      /* [2][rows][cells_x] the cell holds the thickness of an earlier slab */
   uint8_t* need;           /* [bands][segments] */
-  int64_t* last_served;    /* [light rows][segments] step that lights the last surface; -1: none */
-  uint64_t (*touched)[2];  /* [light rows][segments] bits, of slab >> touched_shift: a surface may
-                              block in it, and it may serve one */
-  int touched_shift;
-  double* reach;           /* [slabs + 1] light pixels that light can have moved */
-  ptrdiff_t* step_offset;  /* [slabs][directions] shift of one slab */
-  float (*step_weight)[4]; /* [slabs][directions] */
   int64_t* order;          /* [tickets][2] block, band */
   atomic_uchar* done;      /* [blocks][bands] */
   int layers; /* slots in use: translucent ones, then the edge; 0: the next are not there */
@@ -127,8 +96,6 @@ typedef struct march
   float* layer_next;   /* [rows][cells_x] depth of the nearest layer that is not blended yet */
   float* layer_steps;  /* [light rows][segments][2] first and last step that lights a layer */
   uint8_t* layer_done; /* [rows][stride] bits: slots of a pixel that are blended */
-  float dark_below;    /* visibility of a tile that is dark in all directions */
-  int fields;
   int surface_field;
   int skip; /* CHI_SKIP_... kinds that are on */
   int shaded;
@@ -137,86 +104,26 @@ typedef struct march
   atomic_int cancelled;
   atomic_llong samples, light_updates, nanoseconds[2];
   atomic_llong skipped[CHI_SKIP_KINDS];
-  size_t light_bytes;
 } march;
 
 static inline float* picture(const march* m, int which, int64_t y)
 {
-  return which < VOLUME_PLANES
-    ? m->planes + ((size_t)y * VOLUME_PLANES + (size_t)which) * m->stride
-    : m->surfaces + ((size_t)y * GEOMETRY_PLANES + (size_t)(which - VOLUME_PLANES)) * m->stride;
+  return m->planes + ((size_t)y * VOLUME_PLANES + (size_t)which) * m->light.stride;
 }
 
 /* Visibility of a row of pixels, one slice's: of a band, at whose row only one task is at a time.
  */
 static inline float* row_visibility(const march* m, int channel, int band)
 {
-  return m->band_rows + (size_t)(band * m->scene->channels + channel) * m->stride;
+  return m->band_rows + (size_t)(band * m->scene->channels + channel) * m->light.stride;
 }
 
 /* Visibility of a row's surface in a channel of light: of the picture itself where there is one. */
 static inline float* surface_visibility(const march* m, int channel, int64_t y)
 {
-  return m->scene->channels == 1 ? m->seen + (size_t)y * (size_t)m->scene->width
-                                 : m->tint + ((size_t)channel * m->rows + (size_t)y) * m->stride;
-}
-
-/* Optical thickness of a row in a slab; that of the slab before is there as well. */
-static inline float* tau_row(const march* m, int64_t slab, int64_t y)
-{
-  return picture(m, slab & 1 ? TAU_OTHER : TAU, y);
-}
-
-static inline float* light_scratch(const march* m, int which, int64_t y)
-{
-  return m->scratch +
-    ((size_t)which * (size_t)m->scene->light_height + (size_t)y) * m->light_stride;
-}
-
-static inline float* row_of_light(const march* m, const chi_light_field* f, int64_t side, int64_t y)
-{
-  return (float*)f->light[side].data + m->light_origin + (size_t)y * m->light_row;
-}
-
-static inline int64_t ring_slot(const march* m, int64_t slab)
-{
-  return (int64_t)((uint32_t)slab % (uint32_t)m->ring); /* 64 bits take twice the time */
-}
-
-static inline float* visibility_row(
-  const march* m, const chi_light_field* f, int64_t slab, int64_t y)
-{
-  return (float*)f->visibility.data + (size_t)ring_slot(m, slab) * m->light_plane +
-    m->visibility_origin + (size_t)y * m->light_stride;
-}
-
-/* Flags of a row: sides 0 and 1 of the light, then the ring of visibility planes. */
-static inline uint8_t* tile_row(const march* m, const chi_light_field* f, int64_t which, int64_t y)
-{
-  return (uint8_t*)f->tiles.data +
-    (size_t)(which * m->scene->light_height + y) * (size_t)m->segments;
-}
-
-/*
- * Weights of three light pixels at an offset t from the middle one, |t| <= 1/2. Full size: linear.
- * Half size: light pixels are means of 2 x 2 pixels, so that what they say of a point is the
- * parabola that has these three means (hence 1/24); what it overshoots is cut to 0 ... 1. Linear
- * weights would blur once more (mean error on the brain, 16 directions: 0.0107).
- */
-static inline void chi_light_weights(int scale, double t, double weight[3])
-{
-  const double low = t < 0 ? -t : 0, high = t > 0 ? t : 0;
-  weight[0] = scale == 1 ? low : 0.5 * t * (t - 1) - 1.0 / 24;
-  weight[1] = scale == 1 ? 1 - low - high : 1 - t * t + 1.0 / 12;
-  weight[2] = scale == 1 ? high : 0.5 * t * (t + 1) - 1.0 / 24;
-}
-
-static inline void chi_fill_ones(float* out, int count)
-{
-  for (int i = 0; i < count; ++i)
-  {
-    out[i] = 1;
-  }
+  return m->scene->channels == 1
+    ? m->seen + (size_t)y * (size_t)m->scene->width
+    : m->tint + ((size_t)channel * m->light.rows + (size_t)y) * m->light.stride;
 }
 
 /* chi_occlusion_plan.c */
@@ -229,11 +136,7 @@ void chi_march_classify_blocks(void* data, size_t begin, size_t end);
 void chi_march_band_rows(const march* m, int band, int64_t rows[2]);
 void chi_march_last_slab(const march* m, int band, int segment, int64_t last[2]);
 
-/* chi_occlusion_receivers.c; gather_touched and light_rest are bodies of parallel loops over light
- * rows, and over rows */
-void chi_march_gather_touched(void* data, size_t begin, size_t end);
-double chi_march_receiver_plane(const chi_scene* s, double slices);
-int chi_march_block_light(const march* m, int64_t slab, int64_t by, int segment, float* out);
+/* chi_occlusion_receivers.c; light_rest is the body of a parallel loop over rows */
 void chi_march_light_surfaces(const march* m, int64_t step, int64_t by);
 void chi_march_light_rest(void* data, size_t begin, size_t end);
 void chi_march_read_probes(const march* m, int64_t step, int64_t begin, int64_t end);
@@ -252,14 +155,6 @@ void chi_layers_finish(void* data, size_t begin, size_t end);
 
 /* chi_occlusion_samples.c */
 void chi_march_sample_row(march* m, int64_t slab, int64_t y, int band, chi_sample_row* row);
-
-/* chi_occlusion_light.c */
-typedef struct light_counts
-{
-  int64_t updates, uniform, unreached;
-} light_counts;
-void chi_march_light_band(
-  march* m, int64_t slab, const int64_t rows[2], const uint8_t* need, light_counts* counts);
 
 /* Table entries a segment of this frame may cross before its middle's colour is too coarse. */
 float chi_march_color_step(const chi_scene* scene, const chi_classification* classification,

@@ -12,64 +12,14 @@ static const float* run_visibility(const march* m, int channel, int64_t slab, do
   int64_t y, int x_begin, int x_end, float* out)
 {
   const chi_scene* const s = m->scene;
-  const chi_light_field* const f = &m->keep->field[0][channel];
+  const chi_light_field* const f = &m->light.field[0][channel];
   if (!m->shaded || !(f->volume || f->geometry) || slab == 0)
   {
     return NULL;
   }
-  double plane = slices / (double)s->group - s->sample_bias - 0.5;
-  plane = plane < (double)(slab - 1) ? plane : (double)(slab - 1);
-  if (plane <= -1)
-  {
-    return NULL;
-  }
-  const int64_t first = (int64_t)floor(plane);
-  const float w = (float)(plane - (double)first);
-  int64_t rows[3] = { y, y, y };
-  double share[3] = { 1, 0, 0 };
-  const int row_count = s->scale == 2 ? 3 : 1;
-  if (s->scale == 2)
-  {
-    chi_light_weights(2, y & 1 ? 0.25 : -0.25, share);
-    for (int k = 0; k < 3; ++k)
-    {
-      const int64_t row = (y >> 1) + k - 1;
-      rows[k] = row < 0 ? 0 : row < s->light_height ? row : s->light_height - 1;
-    }
-  }
-  const int seg0 = x_begin / s->scale / CHI_SEGMENT;
-  int seg1 = (x_end - 1) / s->scale / CHI_SEGMENT + 1; /* one more: the right neighbour is read */
-  seg1 = seg1 < m->segments ? seg1 : m->segments - 1;
-  const float* source[6];
-  float weight[6], base = 1 - m->strength;
-  int state = TILE_BRIGHT, count = 0;
-  for (int k = 0; k < 2 * row_count; ++k)
-  {
-    const int64_t i = first + k / row_count, row = rows[k % row_count];
-    const float part = m->strength * (k < row_count ? 1 - w : w) * (float)share[k % row_count];
-    if (i < 0)
-    {
-      base += part; /* before the first plane all light arrives */
-      continue;
-    }
-    if (part == 0)
-    {
-      continue;
-    }
-    source[count] = visibility_row(m, f, i, row);
-    weight[count++] = part;
-    const uint8_t* const flags = tile_row(m, f, 2 + ring_slot(m, i), row);
-    for (int segment = seg0 > 0 ? seg0 - 1 : 0; segment <= seg1 && state != TILE_MIXED; ++segment)
-    {
-      state |= flags[segment];
-    }
-  }
-  if (state == TILE_BRIGHT)
-  {
-    return NULL;
-  }
-  m->kernels->enlarge(source, weight, count, base, s->scale, x_begin, x_end, out);
-  return out;
+  const double plane = slices / (double)s->group - s->sample_bias - 0.5;
+  return chi_light_read_row(&m->light, f, plane < (double)(slab - 1) ? plane : (double)(slab - 1),
+    m->strength, y, x_begin, x_end, out);
 }
 
 /* Common parts of a row between two slices. */
@@ -132,12 +82,12 @@ void chi_march_sample_row(march* m, int64_t slab, int64_t y, int band, chi_sampl
   const int64_t block = slab / m->block;
   const uint8_t* const cells = m->cells + (block * m->cells_y + y / CHI_CELL_HEIGHT) * m->cells_x;
   const uint8_t* const live = m->live_row + y * m->cells_x;
-  const uint8_t* const need = m->need + (int64_t)band * m->segments;
+  const uint8_t* const need = m->need + (int64_t)band * m->light.segments;
   int64_t* const sampled = m->sampled + y * m->cells_x;
-  uint8_t* const flags = m->tau_flag + y / s->scale * m->segments;
+  uint8_t* const flags = m->light.tau_flag + y / s->scale * m->light.segments;
   const int width = (s->width + CHI_CELL_WIDTH - 1) / CHI_CELL_WIDTH * CHI_CELL_WIDTH;
   uint8_t* const stale =
-    m->tau_stale + ((size_t)(slab & 1) * m->rows + (size_t)y) * (size_t)m->cells_x;
+    m->tau_stale + ((size_t)(slab & 1) * m->light.rows + (size_t)y) * (size_t)m->cells_x;
   for (int64_t i = 0; i < s->group; ++i)
   {
     const int64_t segment = slab * s->group + i;
@@ -182,7 +132,7 @@ void chi_march_sample_row(march* m, int64_t slab, int64_t y, int band, chi_sampl
       row->cut = (cells[cx] & CELL_CUT) != 0;
       row->enter = cells[cx] & (CELL_CROSSES_BOX | CELL_CUT) ? picture(m, ENTER, y) : NULL;
       row->leave = picture(m, LEAVE, y);
-      row->surface = m->frame->surface ? picture(m, SURFACE, y) : NULL;
+      row->surface = m->frame->surface ? surface_row(&m->light, SURFACE, y) : NULL;
       row->saturated_too = light;
       row->hidden_too = light || !(m->skip & CHI_SKIP_BEHIND_GEOMETRY);
       const float* visibility[3] = { NULL, NULL, NULL };

@@ -27,7 +27,7 @@ static void intersect_box(const march* m, int64_t y)
   float* const leave = picture(m, LEAVE, y);
   const double first = (double)(s->volume_begin * s->group),
                last = (double)(s->volume_end * s->group);
-  for (size_t x = 0; x < m->stride; ++x)
+  for (size_t x = 0; x < m->light.stride; ++x)
   {
     double from = first, to = last, p[3], q[3]; /* index position at slice 0, its change a slice */
     for (int a = 0; a < 3; ++a)
@@ -200,7 +200,7 @@ void chi_march_classify_blocks(void* data, size_t begin, size_t end)
 /* Rows of light pixels that a band touches in any slab of a block. */
 void chi_march_band_rows(const march* m, int band, int64_t rows[2])
 {
-  const int64_t first = (int64_t)band * BAND - (int64_t)m->skew * (m->block - 1);
+  const int64_t first = (int64_t)band * BAND - (int64_t)m->light.skew * (m->block - 1);
   const int64_t last = (int64_t)(band + 1) * BAND;
   rows[0] = first > 0 ? first : 0;
   rows[1] = last < m->scene->light_height ? last : m->scene->light_height;
@@ -216,12 +216,13 @@ void chi_march_last_slab(const march* m, int band, int segment, int64_t last[2])
   last[0] = last[1] = -1;
   for (int64_t y = rows[0]; y < rows[1] && m->frame->surface; ++y)
   {
-    const int64_t step = m->last_served[y * m->segments + segment];
+    const int64_t step = m->light.last_served[y * m->light.segments + segment];
     last[1] = step > last[1] ? step : last[1];
   }
   for (int64_t y = rows[0]; y < rows[1] && m->layers; ++y)
   {
-    const float step = m->layer_steps[2 * ((size_t)y * (size_t)m->segments + (size_t)segment) + 1];
+    const float step =
+      m->layer_steps[2 * ((size_t)y * (size_t)m->light.segments + (size_t)segment) + 1];
     const int64_t slab = step < (float)s->slabs ? (int64_t)fmaxf(step, -1) : s->slabs;
     last[1] = slab > last[1] ? slab : last[1];
   }
