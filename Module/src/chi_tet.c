@@ -4,6 +4,7 @@
 
 #include "chi_occlusion_internal.h" /* what it knows of shading */
 
+#include <float.h>
 #include <math.h>
 #include <time.h>
 
@@ -500,7 +501,8 @@ enum
   STAGES = 4 /* split, values, view, bins */
 };
 
-/* All stages before pixels. A picture of what they were before is lost. */
+/* All stages before pixels. A picture of what they were before is lost, unless the frame is
+ * refused: then a stage is left to be run again, which no later picture is drawn without. */
 static chi_status prepare(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* f)
 {
   chi_tet_stats* const s = &tet->stats;
@@ -512,7 +514,8 @@ static chi_status prepare(const chi_exec* exec, chi_tet* tet, const chi_tet_fram
   status = status == CHI_OK ? classify(exec, tet, f) : status;
   status = status == CHI_OK ? look(exec, tet, f) : status;
   status = status == CHI_OK ? bin(exec, tet, f) : status;
-  tet->has_image &= status == CHI_OK && s->skipped[7] == STAGES;
+  tet->has_image &=
+    status == CHI_OK ? s->skipped[7] == STAGES : status == CHI_ERROR_INVALID_ARGUMENT;
   s->tetrahedra = (int64_t)tet->mesh.counts.tetrahedra;
   s->bytes_mesh = tet->mesh.vertices.bytes + tet->mesh.cells.bytes + tet->mesh.points.bytes +
     tet->mesh.extra_cells.bytes + tet->values.scalars.bytes + tet->values.opacities.bytes +
@@ -616,7 +619,7 @@ static chi_tet_scene make_scene(const chi_tet* tet, const chi_tet_frame* f)
     .shades = f->shading ? (const float(*)[6])tet->shades.data : NULL,
     .color_limit = f->shading && f->shading->unclamped ? INFINITY : 1,
     .maximum = f->params->blend == CHI_TET_BLEND_MAXIMUM,
-    .maximum_of_unit = (float)tet->stats.unit_distance,
+    .maximum_of_unit = (float)fmin(tet->stats.unit_distance, (double)FLT_MAX),
     .image_opacity = f->params->opacity_convention == CHI_OPACITY_IMAGE };
   memcpy(s.first, tet->eye.first, sizeof s.first);
   memcpy(s.step, tet->eye.step, sizeof s.step);
@@ -716,6 +719,10 @@ chi_status chi_tet_render(const chi_exec* exec, chi_tet* tet, const chi_tet_fram
   }
   chi_tet_stats* const s = &tet->stats;
   status = status == CHI_OK ? prepare(exec, tet, f) : status;
+  if (status == CHI_ERROR_INVALID_ARGUMENT)
+  {
+    return status;
+  }
   draw_key key;
   memset(&key, 0, sizeof key);
   key.tables = tet->tables.version;
@@ -800,9 +807,8 @@ chi_status chi_tet_find_cells(const chi_exec* exec, chi_tet* tet, const chi_tet_
     return status;
   }
   own.params.blend = CHI_TET_BLEND_COMPOSITE;
-  const chi_tet_stats stats = tet->stats;
+  chi_tet_stats stats = tet->stats;
   status = prepare(exec, tet, &own.frame);
-  tet->has_image = 0;
   if (status == CHI_OK)
   {
     own.frame.shading = NULL;
@@ -812,6 +818,9 @@ chi_status chi_tet_find_cells(const chi_exec* exec, chi_tet* tet, const chi_tet_
     const chi_tet_pass pass = { .picks = &picks };
     status = chi_tet_draw(exec, &tet->bins, &scene, &pass, &tally);
   }
+  /* what was drawn last stays as it was; what is known of the mesh and its order may be new */
+  stats.grid = tet->stats.grid;
+  stats.order = tet->stats.order;
   tet->stats = stats;
   return status;
 }

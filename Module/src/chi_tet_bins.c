@@ -278,7 +278,7 @@ chi_status chi_tet_bins_build(const chi_exec* exec, chi_tet_bins* bins, const ch
       ? (const uint32_t*)eye->codes.data
       : NULL,
     .window = { (const float(*)[2])eye->screen.data, (const uint32_t*)mesh->vertices.data, width,
-      height, eye->any_near, (const chi_tet_point*)eye->points.data,
+      height, eye->any_beyond, frame->camera->parallel != 0, (const chi_tet_point*)eye->points.data,
       { eye->first[0], eye->first[1] }, { eye->step[0], eye->step[1] }, frame->camera->near_depth },
     .width = width,
     .height = height,

@@ -19,7 +19,7 @@ typedef struct eye_job
   chi_tet_point* points;
   float (*screen)[2];
   uint32_t* codes;
-  uint8_t* near_chunk;
+  uint8_t* beyond_chunk;
 } eye_job;
 
 static void place(void* data, size_t begin, size_t end)
@@ -28,7 +28,7 @@ static void place(void* data, size_t begin, size_t end)
   for (size_t chunk = begin; chunk < end; ++chunk)
   {
     const size_t last = (chunk + 1) * it->chunk;
-    uint8_t any_near = 0;
+    uint8_t any_beyond = 0;
     for (size_t i = chunk * it->chunk; i < it->mesh->point_count && i < last; ++i)
     {
       double p[3], q[3];
@@ -43,11 +43,13 @@ static void place(void* data, size_t begin, size_t end)
       }
       it->points[i] = (chi_tet_point){ q[0], q[1], q[2], it->scalars ? it->scalars[i] : 0,
         it->opacities ? it->opacities[i] : 0 };
-      const int in_front = !it->parallel && !(q[2] >= it->near_depth);
+      const int is_near =
+        fabs(q[0]) < CHI_TET_FAR && fabs(q[1]) < CHI_TET_FAR && fabs(q[2]) < CHI_TET_FAR;
+      const int beyond = !is_near || (!it->parallel && q[2] < it->near_depth);
       const double w = it->parallel ? 1 : 1 / q[2];
-      any_near |= (uint8_t)in_front;
-      it->screen[i][0] = in_front ? NAN : (float)((q[0] * w - it->first[0]) * it->per_pixel[0]);
-      it->screen[i][1] = in_front ? NAN : (float)((q[1] * w - it->first[1]) * it->per_pixel[1]);
+      any_beyond |= (uint8_t)beyond;
+      it->screen[i][0] = beyond ? NAN : (float)((q[0] * w - it->first[0]) * it->per_pixel[0]);
+      it->screen[i][1] = beyond ? NAN : (float)((q[1] * w - it->first[1]) * it->per_pixel[1]);
       if (it->codes)
       {
         uint32_t code = 0;
@@ -59,7 +61,7 @@ static void place(void* data, size_t begin, size_t end)
         it->codes[i] = code;
       }
     }
-    it->near_chunk[chunk] = any_near;
+    it->beyond_chunk[chunk] = any_beyond;
   }
 }
 
@@ -128,13 +130,13 @@ chi_status chi_tet_eye_build(const chi_exec* exec, chi_tet_eye* eye, const chi_t
   {
     turn_plane(camera->world_to_eye, frame->clip_planes + 4 * k, eye->planes + 4 * k);
   }
-  uint8_t near_chunk[CHI_TET_CHUNKS] = { 0 };
-  job.near_chunk = near_chunk;
+  uint8_t beyond_chunk[CHI_TET_CHUNKS] = { 0 };
+  job.beyond_chunk = beyond_chunk;
   const chi_status status = chi_for(exec, CHI_TET_CHUNKS, place, &job);
-  eye->any_near = 0;
+  eye->any_beyond = 0;
   for (int i = 0; i < CHI_TET_CHUNKS; ++i)
   {
-    eye->any_near |= near_chunk[i];
+    eye->any_beyond |= beyond_chunk[i];
   }
   return status;
 }

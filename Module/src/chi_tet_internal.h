@@ -60,11 +60,11 @@ void chi_tet_values_free(const chi_exec* exec, chi_tet_values* values);
 typedef struct chi_tet_eye
 {
   chi_buffer points; /* chi_tet_point */
-  chi_buffer screen; /* float [x 2] pixels; NaN in front of the near plane */
+  chi_buffer screen; /* float [x 2] pixels; NaN in front of the near plane, and too far off */
   chi_buffer codes;  /* uint32: bit k: outside clip plane k; unused without planes */
   double planes[4 * CHI_TET_CUTS];
   double first[2], step[2];
-  int any_near; /* a point lies in front of the near plane */
+  int any_beyond; /* a point lies in front of the near plane, or too far off */
 } chi_tet_eye;
 
 chi_status chi_tet_eye_build(const chi_exec* exec, chi_tet_eye* eye, const chi_tet_mesh* mesh,

@@ -129,6 +129,47 @@ static void one_points_at_the_cell_that_is_there(void)
   tet_mesh_free(mesh);
 }
 
+/* Pointing changes no picture of the same frame, and what statistics say of the mesh and its order
+ * is true of what was pointed at last. */
+static void pointing_leaves_the_picture(void)
+{
+  tet_mesh* const mesh = tet_mesh_cubes(2, TET_RAMP);
+  tet_mesh* const finer = tet_mesh_cubes(3, TET_RAMP);
+  scene s, t;
+  make_scene(&s, mesh, TET_VIEW_OBLIQUE, 0, 32);
+  make_scene(&t, finer, TET_VIEW_OBLIQUE, 0, 32);
+  t.params.order = CHI_TET_ORDER_MPVO;
+  s.params.blend = CHI_TET_BLEND_MAXIMUM; /* which pointing does not do */
+  int64_t cells[32 * 32];
+  float depths[32 * 32];
+  chi_tet* tet;
+  chi_tet_stats stats;
+  chi_tet_image image;
+  CHECK(chi_tet_create(NULL, &tet) == CHI_OK);
+  CHECK(chi_tet_render(NULL, tet, &s.frame) == CHI_OK);
+  CHECK(chi_tet_find_cells(NULL, tet, &s.frame, 0.1, cells, depths) == CHI_OK);
+  CHECK(cells[32 * 16 + 16] >= 0);
+  CHECK(chi_tet_render(NULL, tet, &s.frame) == CHI_OK);
+  chi_tet_get_stats(tet, &stats);
+  CHECK(stats.reused == 1 && stats.order.used == CHI_TET_ORDER_TANGENTIAL);
+  CHECK(chi_tet_find_cells(NULL, tet, &t.frame, 0.1, cells, depths) == CHI_OK);
+  chi_tet_get_image(tet, &image);
+  CHECK(!image.rgba);
+  CHECK(chi_tet_render(NULL, tet, &t.frame) == CHI_OK);
+  chi_tet_get_stats(tet, &stats);
+  CHECK(stats.reused == 0 && stats.grid.tetrahedra == finer->count);
+  CHECK(stats.tetrahedra == (int64_t)finer->count && stats.order.used == CHI_TET_ORDER_MPVO);
+  /* a broken cell has its name here, too */
+  finer->connectivity[4 * 5] = -1;
+  t.grid.version += 1;
+  CHECK(chi_tet_find_cells(NULL, tet, &t.frame, 0.1, cells, depths) == CHI_ERROR_INVALID_ARGUMENT);
+  chi_tet_get_stats(tet, &stats);
+  CHECK(stats.grid.first_bad_cell == 5);
+  chi_tet_destroy(NULL, tet);
+  tet_mesh_free(mesh);
+  tet_mesh_free(finer);
+}
+
 /* Colours of kept fragments differ by what their scalars are rounded by: 1/65535 of the range, and
  * the steepest colour of the signal's table goes from 0 to 1 over half of it; so 3e-5 a fragment,
  * of which the pixel is a mean. */
@@ -410,5 +451,6 @@ int main(void)
   an_unchanged_frame_stands();
   maximum_intensity_is_that_of_the_largest_scalar();
   one_points_at_the_cell_that_is_there();
+  pointing_leaves_the_picture();
   return chi_test_report();
 }

@@ -196,18 +196,21 @@ static void bad_input_is_refused_or_counted(void)
   s.field.version += 1;
 
   /* a broken cell has a name */
+  chi_tet_image image;
+  CHECK(chi_tet_render(NULL, tet, &s.frame) == CHI_OK);
   mesh->connectivity[4 * 7 + 2] = 1000;
   s.grid.version += 1;
   CHECK(chi_tet_render(NULL, tet, &s.frame) == CHI_ERROR_INVALID_ARGUMENT);
   chi_tet_get_stats(tet, &stats);
   CHECK(stats.grid.first_bad_cell == 7);
+  chi_tet_get_image(tet, &image);
+  CHECK(image.rgba && image.width == SIZE); /* the last picture stands */
 
   /* nothing at all is nothing to draw */
   s.grid.cell_count = 0;
   s.grid.connectivity_count = 0;
   s.grid.version += 1;
   CHECK(chi_tet_render(NULL, tet, &s.frame) == CHI_OK);
-  chi_tet_image image;
   chi_tet_get_image(tet, &image);
   CHECK(image.rgba && image.rgba[3] == 0);
   chi_tet_destroy(NULL, tet);
@@ -294,8 +297,65 @@ static void cuts_and_matrices_have_closed_forms(void)
   tet_mesh_free(mesh);
 }
 
+/* A vertex out of the range of floats takes its tetrahedra away, and no others; a unit distance
+ * there leaves nothing to see. */
+static void what_floats_cannot_hold_is_left_out(void)
+{
+  tet_mesh* const mesh = tet_mesh_cubes(2, TET_CONSTANT);
+  for (int parallel = 0; parallel < 2; ++parallel)
+  {
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      scene s;
+      make_scene(&s, mesh, TET_VIEW_AXIS, parallel, SIZE);
+      const double was = mesh->points[26][axis]; /* the corner (1, 1, 1), that 6 tetrahedra share */
+      mesh->points[26][axis] = axis == 2 ? -3e38 : 3e38;
+      chi_tet* tet;
+      CHECK(chi_tet_create(NULL, &tet) == CHI_OK);
+      CHECK(chi_tet_render(NULL, tet, &s.frame) == CHI_OK);
+      chi_tet_stats stats;
+      chi_tet_get_stats(tet, &stats);
+      CHECK(stats.outside == 6);
+      chi_tet_image image;
+      chi_tet_get_image(tet, &image);
+      double worst = 0;
+      int missing = 0, wrong = 0;
+      for (int i = 0; i < SIZE * SIZE; ++i)
+      {
+        const double length = tet_reference_cube_length(&s.camera, i % SIZE + 0.5, i / SIZE + 0.5);
+        const double alpha = (double)image.rgba[4 * i + 3];
+        const int is_corner = i % SIZE >= SIZE / 2 - 1 && i / SIZE >= SIZE / 2 - 1;
+        wrong += !(alpha >= 0 && alpha < 1);
+        missing += length > 0.5 && alpha < 0.9 * -expm1(-0.3 * length);
+        worst =
+          is_corner || length < 1e-3 ? worst : fmax(worst, fabs(alpha + expm1(-0.3 * length)));
+      }
+      CHECK_NEAR(worst, 0, 1e-4); /* as of the whole cube */
+      CHECK(missing > 0 && wrong == 0);
+      mesh->points[26][axis] = was;
+      if (axis == 0)
+      {
+        s.params.blend = CHI_TET_BLEND_MAXIMUM;
+        s.transfer.view.unit_distance = 1e60;
+        s.transfer.view.version += 1;
+        s.grid.version += 1;
+        CHECK(chi_tet_render(NULL, tet, &s.frame) == CHI_OK);
+        chi_tet_get_image(tet, &image);
+        for (int i = 0; i < FLOATS; ++i)
+        {
+          wrong += image.rgba[i] != 0;
+        }
+        CHECK(wrong == 0);
+      }
+      chi_tet_destroy(NULL, tet);
+    }
+  }
+  tet_mesh_free(mesh);
+}
+
 int main(void)
 {
+  what_floats_cannot_hold_is_left_out();
   any_schedule_gives_the_same_bits();
   a_host_may_refuse_and_cancel();
   a_warm_frame_allocates_nothing();

@@ -131,7 +131,8 @@ typedef struct chi_tet_stats
   int64_t fragments;        /**< pairs of a tetrahedron and a pixel */
   int64_t delicate;         /**< of drawn: evaluated in double (theory/tet.md) */
   int64_t non_finite_cells; /**< tetrahedra left out because a scalar is NaN or infinite */
-  int64_t outside;          /**< tetrahedra left out because they lie outside of the window */
+  int64_t outside;          /**< tetrahedra left out because they lie outside of the window, or have
+                                 a vertex 1e18 world units or more from the eye along an axis */
   int64_t uncovered;        /**< tetrahedra left out because they cover no pixel's centre */
   int64_t skipped[CHI_TET_SKIP_KINDS]; /**< [k] belongs to the flag 1 << k: tetrahedra; of saturated
                                             ones pairs as of drawn; of unchanged stages, 0 ... 5 */
@@ -186,7 +187,7 @@ CHI_API void chi_tet_get_stats(const chi_tet* tet, chi_tet_stats* stats);
  * where it never does, the one that adds most to the pixel, if that is more than 1/255.
  *
  * @param[in]     exec     as of chi_tet_render
- * @param[in,out] tet      renderer; its last picture is lost
+ * @param[in,out] tet      renderer; its last picture stands where this is its frame, else is lost
  * @param[in]     frame    scene; blended by compositing whatever its parameters say
  * @param[in]     opacity  between 0 and 1, both excluded
  * @param[out]    cells    [height x width] cells of the grid; -1: none

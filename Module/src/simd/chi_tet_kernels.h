@@ -18,6 +18,10 @@ enum
   CHI_TET_CUTS = 32 /* clip planes */
 };
 
+/* World units. Tetrahedra with a vertex that is farther from the eye along an axis are left out:
+ * what pixels evaluate are floats, whose range squares of lengths have to stay within. */
+#define CHI_TET_FAR 1e18
+
 /* A point in the eye's space: x to the right, y up, z the depth along the view axis. */
 typedef struct chi_tet_point
 {
@@ -85,12 +89,13 @@ typedef struct chi_tet_target
 /* Where a window's pixels, and tetrahedra on them, are. */
 typedef struct chi_tet_window
 {
-  const float (*screen)[2]; /* points, pixels; NaN in front of the near plane */
+  const float (*screen)[2]; /* points, pixels; NaN in front of the near plane, and too far off */
   const uint32_t* vertices;
   int32_t width, height;
-  int32_t any_near; /* a point is NaN */
+  int32_t any_beyond; /* a point is NaN */
+  int32_t parallel;
   const chi_tet_point* points;
-  double first[2], step[2], near_depth; /* as of the scene; in perspective, where points are NaN */
+  double first[2], step[2], near_depth; /* as of the scene; for what is NaN */
 } chi_tet_window;
 
 enum

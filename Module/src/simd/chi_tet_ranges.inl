@@ -28,11 +28,25 @@ static uint32_t range_of_box(const chi_tet_window* w, const float low[2], const 
   return range;
 }
 
-/* One that may cross the near plane. */
-static uint32_t range_at_near_plane(const chi_tet_window* w, const uint32_t v[4])
+static int is_far(const chi_tet_point* points, const uint32_t v[4])
+{
+  for (int i = 0; i < 4; ++i)
+  {
+    const chi_tet_point* const p = points + v[i];
+    if (!(fabs(p->x) < CHI_TET_FAR && fabs(p->y) < CHI_TET_FAR && fabs(p->z) < CHI_TET_FAR))
+    {
+      return 1;
+    }
+  }
+  return 0;
+}
+
+/* One that may cross the near plane, or have a vertex too far off. */
+static uint32_t range_of_any(const chi_tet_window* w, const uint32_t v[4])
 {
   double box[2][2];
-  if (!find_box(w->points, v, w->near_depth, 0, w->first, w->step, box))
+  if (is_far(w->points, v) ||
+    !find_box(w->points, v, w->near_depth, w->parallel, w->first, w->step, box))
   {
     return CHI_TET_OUTSIDE;
   }
@@ -43,11 +57,11 @@ static uint32_t range_at_near_plane(const chi_tet_window* w, const uint32_t v[4]
 
 static void ranges(const chi_tet_window* w, size_t begin, size_t end, uint32_t* out)
 {
-  if (w->any_near)
+  if (w->any_beyond)
   {
     for (size_t t = begin; t < end; ++t)
     {
-      out[t] = range_at_near_plane(w, w->vertices + 4 * t);
+      out[t] = range_of_any(w, w->vertices + 4 * t);
     }
     return;
   }
