@@ -42,7 +42,7 @@ typedef struct fuzz
 {
   const uint8_t* bytes;
   size_t count;
-  void* kept[64]; /* freed at the end */
+  void* kept[256]; /* freed at the end */
   size_t kept_count;
   uint64_t versions; /* of data handed out */
   /* the host */

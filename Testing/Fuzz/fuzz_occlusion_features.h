@@ -5,7 +5,7 @@
 
 /* What a frame may have besides its volume, surface and camera; every choice 0 is "not there". */
 
-#include "fuzz.h"
+#include "fuzz_views.h"
 
 #include <chiaroscuro/chi_occlusion_plan.h>
 
@@ -18,14 +18,6 @@ typedef struct fuzz_features
   chi_shading_view shading;
   chi_mask_view mask;
 } fuzz_features;
-
-static void fuzz_numbers(fuzz* f, double* out, size_t count, double usual)
-{
-  for (size_t i = 0; i < count; ++i)
-  {
-    out[i] = fuzz_mostly(f, usual * fuzz_unit(f));
-  }
-}
 
 static float* fuzz_shares(fuzz* f, size_t count)
 {
@@ -69,33 +61,6 @@ static void fuzz_layers(fuzz* f, fuzz_features* out, size_t pixels)
   out->layers.count = out->layers.count > (int32_t)count && out->layers.count <= CHI_MAX_LAYERS
     ? (int32_t)count
     : out->layers.count;
-}
-
-static void fuzz_shading(fuzz* f, fuzz_features* out)
-{
-  for (int k = 0; k < 2; ++k)
-  {
-    chi_shading_light* const light = &out->lights[k];
-    light->kind = (int64_t)fuzz_upto(f, fuzz_once_in(f, 64) ? 9 : 2);
-    fuzz_numbers(f, light->direction, 3, 1);
-    fuzz_numbers(f, light->position, 3, 20);
-    for (int c = 0; c < 3; ++c)
-    {
-      light->diffuse[c] = fuzz_mostly(f, (double)fuzz_byte(f) / 255);
-      light->specular[c] = fuzz_mostly(f, (double)fuzz_byte(f) / 255);
-      light->attenuation[c] = fuzz_mostly(f, (double)fuzz_byte(f) / 255);
-    }
-    light->cone_angle_rad = fuzz_mostly(f, (double)fuzz_byte(f) / 100);
-    light->exponent = fuzz_mostly(f, (double)fuzz_byte(f) / 10);
-  }
-  out->shading = (chi_shading_view){ .struct_size = fuzz_size(f, sizeof out->shading),
-    .ambient = fuzz_mostly(f, 0.1),
-    .diffuse = fuzz_mostly(f, 0.9),
-    .specular = fuzz_mostly(f, 0.2),
-    .specular_power = fuzz_mostly(f, 10),
-    .two_sided = fuzz_byte(f) & 1,
-    .lights = out->lights,
-    .light_count = fuzz_upto(f, 2) };
 }
 
 static void fuzz_mask(
@@ -156,7 +121,7 @@ static void fuzz_add_features(fuzz* f, fuzz_features* out, chi_occlusion_frame* 
   }
   if (fuzz_once_in(f, 3))
   {
-    fuzz_shading(f, out);
+    fuzz_shading(f, out->lights, &out->shading);
     frame->shading = &out->shading;
   }
   const size_t samples = volume->dimensions[0] * volume->dimensions[1] * volume->dimensions[2];
