@@ -227,7 +227,7 @@ const char* vtkChiCombinedOcclusionVolumeMapper::GetEngineReason()
 }
 bool vtkChiCombinedOcclusionVolumeMapper::IsSoftwareRenderer(const char* renderer)
 {
-  return renderer && vtkChiOcclusionGL::IsSoftware(renderer);
+  return renderer && vtkChiGLTools::IsSoftware(renderer);
 }
 double vtkChiCombinedOcclusionVolumeMapper::GetSecondsEngine()
 {

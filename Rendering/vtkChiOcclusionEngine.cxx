@@ -19,34 +19,6 @@ vtkChiOcclusionEngine::~vtkChiOcclusionEngine()
 }
 
 //------------------------------------------------------------------------------
-int vtkChiOcclusionEngine::Choose(
-  vtkOpenGLRenderWindow* window, const chi_occlusion_frame& frame, int asked)
-{
-  if (asked == CPU)
-  {
-    this->Reason = "the CPU engine is asked for";
-    return CPU;
-  }
-  const std::string renderer = vtkChiOcclusionGL::GetRendererOf(window);
-  if (asked == AUTO && vtkChiOcclusionGL::IsSoftware(renderer))
-  {
-    this->Reason = "OpenGL is drawn by " + renderer + ", in software";
-    return CPU;
-  }
-  const std::string obstacle = this->Refused.GetPointer() == window
-    ? "this window's OpenGL could not carry the shaders out"
-    : vtkChiOcclusionGL::WhyNot(window, frame);
-  if (!obstacle.empty())
-  {
-    this->Reason = obstacle;
-    return CPU;
-  }
-  this->Reason =
-    asked == OPENGL ? "the OpenGL engine is asked for" : "OpenGL is drawn by " + renderer;
-  return OPENGL;
-}
-
-//------------------------------------------------------------------------------
 chi_status vtkChiOcclusionEngine::Prepare(const chi_exec* exec)
 {
   return this->Core ? CHI_OK : chi_occlusion_create(exec, &this->Core);
@@ -63,11 +35,12 @@ chi_status vtkChiOcclusionEngine::Render(const chi_exec* exec, vtkOpenGLRenderWi
   {
     return prepared;
   }
-  this->InUse = this->Choose(window, frame, asked);
-  if (this->InUse == OPENGL)
+  const int inUse =
+    this->Choice.Choose(window, asked, [&] { return vtkChiOcclusionGL::WhyNot(window, frame); });
+  if (inUse == OPENGL)
   {
     const chi_status status = this->RenderOpenGL(exec, window, frame, half);
-    if (status != CHI_OK || this->InUse == OPENGL)
+    if (status != CHI_OK || this->Choice.GetInUse() == OPENGL)
     {
       return status;
     }
@@ -108,9 +81,7 @@ chi_status vtkChiOcclusionEngine::RenderOpenGL(
     this->Rgba.clear();
     if (!this->GL.Render(window, plan, half))
     {
-      this->Refused = window;
-      this->InUse = CPU;
-      this->Reason = "this window's OpenGL could not carry the shaders out";
+      this->Choice.Refuse(window);
       return CHI_OK;
     }
     glFinish(); // the quality of interactive frames is chosen by the time
@@ -131,13 +102,13 @@ chi_status vtkChiOcclusionEngine::RenderOpenGL(
 //------------------------------------------------------------------------------
 vtkTextureObject* vtkChiOcclusionEngine::GetLayer()
 {
-  return this->InUse == OPENGL ? this->GL.GetLayer() : nullptr;
+  return this->Choice.GetInUse() == OPENGL ? this->GL.GetLayer() : nullptr;
 }
 
 //------------------------------------------------------------------------------
 vtkTextureObject* vtkChiOcclusionEngine::GetVisibility()
 {
-  return this->InUse == OPENGL ? this->GL.GetVisibility() : nullptr;
+  return this->Choice.GetInUse() == OPENGL ? this->GL.GetVisibility() : nullptr;
 }
 
 //------------------------------------------------------------------------------
@@ -151,7 +122,7 @@ void vtkChiOcclusionEngine::HandOut()
 //------------------------------------------------------------------------------
 bool vtkChiOcclusionEngine::ReadImage()
 {
-  if (this->InUse == OPENGL && this->Image.width > 0 && !this->Image.rgba)
+  if (this->Choice.GetInUse() == OPENGL && this->Image.width > 0 && !this->Image.rgba)
   {
     vtkOpenGLRenderWindow* window = vtkOpenGLRenderWindow::SafeDownCast(this->Window);
     if (this->GL.ReadLayer(window, this->Rgba) && this->GL.ReadVisibility(window, this->Visibility))
@@ -185,5 +156,5 @@ void vtkChiOcclusionEngine::SplitVisibility()
 void vtkChiOcclusionEngine::ReleaseGraphicsResources(vtkWindow* window)
 {
   this->GL.ReleaseGraphicsResources(window);
-  this->Refused = nullptr;
+  this->Choice.Forget();
 }

@@ -3,6 +3,7 @@
 #ifndef vtkChiOcclusionEngine_h
 #define vtkChiOcclusionEngine_h
 
+#include "vtkChiGLTools.h"
 #include "vtkChiOcclusionGL.h"
 
 #include <chiaroscuro/chi_occlusion.h>
@@ -21,11 +22,9 @@ class vtkTextureObject;
 class vtkChiOcclusionEngine
 {
 public:
-  enum Choice
+  enum
   {
-    AUTO = 0, // OpenGL, unless a software rasteriser draws it
-    CPU = 1,
-    OPENGL = 2
+    OPENGL = vtkChiEngineChoice::OPENGL
   };
 
   vtkChiOcclusionEngine() = default;
@@ -43,8 +42,8 @@ public:
   const chi_occlusion_stats& GetStats() const { return this->Stats; }
 
   // AUTO before the first frame.
-  int GetInUse() const { return this->InUse; }
-  const std::string& GetReason() const { return this->Reason; }
+  int GetInUse() const { return this->Choice.GetInUse(); }
+  const std::string& GetReason() const { return this->Choice.GetReason(); }
 
   // The last picture; its floats are null where it lies in textures and has not been read back. The
   // textures are null where it lies in floats alone.
@@ -57,7 +56,6 @@ public:
   void ReleaseGraphicsResources(vtkWindow* window);
 
 private:
-  int Choose(vtkOpenGLRenderWindow* window, const chi_occlusion_frame& frame, int asked);
   chi_status RenderOpenGL(const chi_exec* exec, vtkOpenGLRenderWindow* window,
     const chi_occlusion_frame& frame, bool half);
   void HandOut();
@@ -66,9 +64,7 @@ private:
   chi_occlusion* Core = nullptr;
   vtkChiOcclusionGL GL;
   vtkWeakPointer<vtkRenderWindow> Window;
-  vtkWeakPointer<vtkRenderWindow> Refused; // its OpenGL failed: not tried again
-  int InUse = AUTO;
-  std::string Reason;
+  vtkChiEngineChoice Choice;
   chi_occlusion_image Image = {};
   chi_occlusion_stats Stats = {};
   std::vector<float> Rgba;

@@ -7,6 +7,7 @@
 #endif
 #include "vtkChiOcclusionGL.h"
 
+#include "vtkChiGLTools.h"
 #include "vtkChiOcclusionAliveFS.h"
 #include "vtkChiOcclusionGLTools.h"
 
@@ -15,7 +16,6 @@
 #include "vtkShaderProgram.h"
 
 #include <algorithm>
-#include <cctype>
 
 using namespace vtkChiOcclusionGLTools;
 
@@ -28,31 +28,6 @@ constexpr std::uint64_t KNOWN = CHI_FEATURE_REDUCTION | CHI_FEATURE_COLORED | CH
   CHI_FEATURE_GRADIENT_OPACITY | CHI_FEATURE_TRANSFER_PLANE | CHI_FEATURE_EDGES |
   CHI_FEATURE_LAYERS | CHI_FEATURE_CROP | CHI_FEATURE_MASK | CHI_FEATURE_PUBLISHED |
   CHI_FEATURE_COMPONENTS;
-}
-
-//------------------------------------------------------------------------------
-bool vtkChiOcclusionGL::IsSoftware(const std::string& renderer)
-{
-  std::string lower = renderer;
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  for (const char* name : { "llvmpipe", "softpipe", "swiftshader", "swr", "software", "lavapipe",
-         "microsoft basic render", "gdi generic" })
-  {
-    if (lower.find(name) != std::string::npos)
-    {
-      return true;
-    }
-  }
-  return false;
-}
-
-//------------------------------------------------------------------------------
-std::string vtkChiOcclusionGL::GetRendererOf(vtkOpenGLRenderWindow* window)
-{
-  window->MakeCurrent();
-  const GLubyte* name = glGetString(GL_RENDERER);
-  return name ? reinterpret_cast<const char*>(name) : "";
 }
 
 //------------------------------------------------------------------------------
@@ -95,29 +70,9 @@ std::string vtkChiOcclusionGL::WhyNot(
 void vtkChiOcclusionGL::Reserve(
   vtkTextureObject* texture, int width, int height, int components, bool half)
 {
-  const unsigned int internal =
-    components == 4 ? (half ? GL_RGBA16F : GL_RGBA32F) : (half ? GL_R16F : GL_R32F);
-  const unsigned int w = static_cast<unsigned int>(width);
-  const unsigned int h = static_cast<unsigned int>(height);
-  vtkOpenGLRenderWindow* window = vtkOpenGLRenderWindow::SafeDownCast(this->Window);
-  texture->SetContext(window);
-  if (texture->GetHandle() != 0 && texture->GetWidth() == w && texture->GetHeight() == h &&
-    texture->GetInternalFormat(VTK_FLOAT, components, false) == internal)
-  {
-    return;
-  }
-  texture->ReleaseGraphicsResources(window);
-  texture->SetContext(window);
-  texture->SetMinificationFilter(vtkTextureObject::Nearest);
-  texture->SetMagnificationFilter(vtkTextureObject::Nearest);
-  // outside of the light buffers all light arrives
-  texture->SetBorderColor(1.0f, 1.0f, 1.0f, 1.0f);
-  texture->SetWrapS(vtkTextureObject::ClampToBorder);
-  texture->SetWrapT(vtkTextureObject::ClampToBorder);
-  texture->SetInternalFormat(internal);
-  texture->SetFormat(components == 4 ? GL_RGBA : GL_RED);
-  texture->SetDataType(GL_FLOAT);
-  texture->Allocate2D(w, h, components, VTK_FLOAT);
+  // outside of the light buffers all light arrives, as beyond the edges of these
+  vtkChiGLTools::Reserve(
+    texture, vtkOpenGLRenderWindow::SafeDownCast(this->Window), width, height, components, half);
 }
 
 //------------------------------------------------------------------------------

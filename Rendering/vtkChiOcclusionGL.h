@@ -27,11 +27,6 @@ class vtkShaderProgram;
 class vtkChiOcclusionGL
 {
 public:
-  // Whether a GL_RENDERER string names a rasteriser that runs on the processor, where the CPU
-  // engine is the faster one.
-  static bool IsSoftware(const std::string& renderer);
-  static std::string GetRendererOf(vtkOpenGLRenderWindow* window);
-
   // Why this window cannot draw this frame; empty where it can.
   static std::string WhyNot(vtkOpenGLRenderWindow* window, const chi_occlusion_frame& frame);
 

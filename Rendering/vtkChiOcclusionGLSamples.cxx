@@ -54,10 +54,9 @@ void vtkChiOcclusionGL::DrawSamples(const chi_occlusion_plan& plan, std::int64_t
       define("LIGHT_SCALE", plan.light_scale) + define("BRICK_EDGE", plan.brick_edge) +
       define("ENTRIES", static_cast<int>(plan.table_entries)) +
       define("COLOR_PARTS", integrates ? plan.color_parts : 0) +
-      define("COLOR_STEPS", plan.color_steps) +
-      define("TABLE_WIDTH", vtkChiOcclusionTextures::TABLE_WIDTH) + defineLight(plan) +
-      this->DefineShading(plan) + this->DefineLayers(plan) + this->DefineCuts(plan) +
-      this->DefineComponents(plan));
+      define("COLOR_STEPS", plan.color_steps) + define("TABLE_WIDTH", vtkChiGLTools::TABLE_WIDTH) +
+      defineLight(plan) + this->DefineShading(plan) + this->DefineLayers(plan) +
+      this->DefineCuts(plan) + this->DefineComponents(plan));
   if (!program)
   {
     return;

@@ -3,6 +3,8 @@
 #ifndef vtkChiOcclusionGLTools_h
 #define vtkChiOcclusionGLTools_h
 
+#include "vtkChiGLTools.h"
+
 #include <chiaroscuro/chi_occlusion_plan.h>
 
 #include "vtkShaderProgram.h"
@@ -51,10 +53,9 @@ inline std::int64_t areaOf(const chi_rect& rect)
   return static_cast<std::int64_t>(rect.x1 - rect.x0) * (rect.y1 - rect.y0);
 }
 
-// A line of a shader's head.
 inline std::string define(const char* name, int value)
 {
-  return std::string("#define ") + name + " " + std::to_string(value) + "\n";
+  return vtkChiGLTools::Define(name, value);
 }
 
 inline bool isColored(const chi_occlusion_plan& plan)

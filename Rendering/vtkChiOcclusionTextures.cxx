@@ -7,22 +7,17 @@
 #endif
 #include "vtkChiOcclusionTextures.h"
 
+#include "vtkChiGLTools.h"
+
 #include "vtkOpenGLRenderWindow.h"
 
 #include <algorithm>
 #include <cstddef>
 
+using namespace vtkChiGLTools;
+
 namespace
 {
-// A texel format, and the VTK type of what is uploaded into it.
-struct Format
-{
-  unsigned int Internal;
-  unsigned int External;
-  int Type;
-  int Components;
-};
-
 // Samples as they are: linear filters of the hardware have 8-bit weights, the core's have 24.
 Format formatOf(chi_type type, int components = 1)
 {
@@ -40,37 +35,6 @@ Format formatOf(chi_type type, int components = 1)
   };
   const int row = type == CHI_U8 ? 0 : type == CHI_I16 ? 1 : type == CHI_U16 ? 2 : 3;
   return formats[row][components == 1 ? 0 : components == 2 ? 1 : 2]; // of three, one lies idle
-}
-
-void prepare(vtkTextureObject* texture, vtkOpenGLRenderWindow* window, const Format& format)
-{
-  texture->SetContext(window);
-  texture->SetMinificationFilter(vtkTextureObject::Nearest);
-  texture->SetMagnificationFilter(vtkTextureObject::Nearest);
-  texture->SetWrapS(vtkTextureObject::ClampToEdge);
-  texture->SetWrapT(vtkTextureObject::ClampToEdge);
-  texture->SetWrapR(vtkTextureObject::ClampToEdge);
-  texture->SetInternalFormat(format.Internal);
-  texture->SetFormat(format.External);
-  texture->SetDataType(static_cast<unsigned int>(texture->GetDefaultDataType(format.Type)));
-}
-
-// The interface takes no const, and only reads.
-bool upload(vtkTextureObject* texture, vtkOpenGLRenderWindow* window, const Format& format,
-  std::size_t width, std::size_t height, const void* data)
-{
-  prepare(texture, window, format);
-  return texture->Create2DFromRaw(static_cast<unsigned int>(width),
-    static_cast<unsigned int>(height), format.Components, format.Type, const_cast<void*>(data));
-}
-
-bool upload(vtkTextureObject* texture, vtkOpenGLRenderWindow* window, const Format& format,
-  const std::size_t size[3], const void* data)
-{
-  prepare(texture, window, format);
-  return texture->Create3DFromRaw(static_cast<unsigned int>(size[0]),
-    static_cast<unsigned int>(size[1]), static_cast<unsigned int>(size[2]), format.Components,
-    format.Type, const_cast<void*>(data));
 }
 
 // Samples of several components, the plan's own first.
@@ -92,7 +56,7 @@ bool uploadComponents(
       *to = from[i];
     }
   }
-  return upload(texture, window, format, plan.dimensions, texels.data());
+  return Upload(texture, window, format, plan.dimensions, texels.data());
 }
 }
 
@@ -149,7 +113,7 @@ bool vtkChiOcclusionTextures::UpdateVolume(
   this->VolumeVersion = plan.volume_version;
   if (!plan.components)
   {
-    return upload(this->Volume, window, formatOf(plan.type), plan.dimensions, plan.scalars);
+    return Upload(this->Volume, window, formatOf(plan.type), plan.dimensions, plan.scalars);
   }
   switch (plan.type)
   {
@@ -221,16 +185,16 @@ bool vtkChiOcclusionTextures::UpdateTables(
     std::copy(plan.colors[i].sum, plan.colors[i].sum + 4, &colorSums[4 * i]);
     std::copy(plan.colors[i].rgb, plan.colors[i].rgb + 4, &colorMeans[4 * i]);
   }
-  return upload(this->Sums, window, { GL_R32I, GL_RED_INTEGER, VTK_INT, 1 }, width, height,
+  return Upload(this->Sums, window, { GL_R32I, GL_RED_INTEGER, VTK_INT, 1 }, width, height,
            sums.data()) &&
-    upload(this->Sigma, window, { GL_RG32F, GL_RG, VTK_FLOAT, 2 }, width, height, sigma.data()) &&
-    upload(
+    Upload(this->Sigma, window, { GL_RG32F, GL_RG, VTK_FLOAT, 2 }, width, height, sigma.data()) &&
+    Upload(
       this->Colors, window, { GL_RGBA32F, GL_RGBA, VTK_FLOAT, 4 }, width, height, colors.data()) &&
-    upload(this->ColorSums, window, { GL_RGBA32I, GL_RGBA_INTEGER, VTK_INT, 4 }, width, colorHeight,
+    Upload(this->ColorSums, window, { GL_RGBA32I, GL_RGBA_INTEGER, VTK_INT, 4 }, width, colorHeight,
       colorSums.data()) &&
-    upload(this->ColorMeans, window, { GL_RGBA32F, GL_RGBA, VTK_FLOAT, 4 }, width, colorHeight,
+    Upload(this->ColorMeans, window, { GL_RGBA32F, GL_RGBA, VTK_FLOAT, 4 }, width, colorHeight,
       colorMeans.data()) &&
-    upload(this->Bricks, window, { GL_R8UI, GL_RED_INTEGER, VTK_UNSIGNED_CHAR, 1 }, plan.bricks,
+    Upload(this->Bricks, window, { GL_R8UI, GL_RED_INTEGER, VTK_UNSIGNED_CHAR, 1 }, plan.bricks,
       plan.occupied);
 }
 
@@ -255,7 +219,7 @@ bool vtkChiOcclusionTextures::UpdateGradientOpacity(
   const std::size_t height = (entries - 1) / width + 1;
   std::vector<float> values(opacity, opacity + entries);
   values.resize(width * height);
-  return upload(
+  return Upload(
     this->GradientOpacity, window, { GL_R32F, GL_RED, VTK_FLOAT, 1 }, width, height, values.data());
 }
 
@@ -275,7 +239,7 @@ bool vtkChiOcclusionTextures::UpdateSecond(
     return true;
   }
   this->SecondVersion = plan.table_version;
-  return upload(this->Second, window, formatOf(CHI_F32), plan.dimensions, samples);
+  return Upload(this->Second, window, formatOf(CHI_F32), plan.dimensions, samples);
 }
 
 //------------------------------------------------------------------------------
@@ -311,7 +275,7 @@ bool vtkChiOcclusionTextures::UpdateMask(
     std::vector<std::uint32_t> rows(grid.bits, grid.bits + words);
     rows.resize(((words - 1) / width + 1) * width);
     good = good &&
-      upload(texture, window, { GL_R32UI, GL_RED_INTEGER, VTK_UNSIGNED_INT, 1 }, width,
+      Upload(texture, window, { GL_R32UI, GL_RED_INTEGER, VTK_UNSIGNED_INT, 1 }, width,
         rows.size() / width, rows.data());
   }
   if (!plan.labels)
@@ -323,7 +287,7 @@ bool vtkChiOcclusionTextures::UpdateMask(
     this->Labels->SetContext(window);
     good = good &&
       ((kept && this->Labels->GetHandle() != 0) ||
-        upload(this->Labels, window, formatOf(CHI_U8), plan.dimensions, plan.labels));
+        Upload(this->Labels, window, formatOf(CHI_U8), plan.dimensions, plan.labels));
   }
   this->MaskVersion = plan.mask_version;
   return good;
@@ -341,8 +305,8 @@ bool vtkChiOcclusionTextures::UpdateSurfaces(
   const Format format = { GL_RGBA32F, GL_RGBA, VTK_FLOAT, 4 };
   const std::size_t width = static_cast<std::size_t>(plan.width);
   const std::size_t height = static_cast<std::size_t>(plan.height);
-  return upload(this->Surface, window, format, width, height, plan.surface) &&
-    upload(this->SurfaceMore, window, format, width, height, plan.surface_more);
+  return Upload(this->Surface, window, format, width, height, plan.surface) &&
+    Upload(this->SurfaceMore, window, format, width, height, plan.surface_more);
 }
 
 //------------------------------------------------------------------------------
@@ -356,7 +320,7 @@ bool vtkChiOcclusionTextures::UpdateGuide(
   }
   this->Guide->SetContext(window);
   return (this->Guide->GetHandle() != 0 && this->FrameVersion == plan.frame_version) ||
-    upload(this->Guide, window, { GL_R32F, GL_RED, VTK_FLOAT, 1 },
+    Upload(this->Guide, window, { GL_R32F, GL_RED, VTK_FLOAT, 1 },
       static_cast<std::size_t>(plan.full_width), static_cast<std::size_t>(plan.full_height),
       plan.guide);
 }
@@ -379,8 +343,8 @@ bool vtkChiOcclusionTextures::UpdateLayers(
   const Format format = { GL_RGBA32F, GL_RGBA, VTK_FLOAT, 4 };
   const std::size_t width = static_cast<std::size_t>(plan.width);
   const std::size_t height = static_cast<std::size_t>(plan.layers * plan.height);
-  return upload(this->Layers, window, format, width, height, plan.layer) &&
-    upload(this->LayerColors, window, format, width, height, plan.layer_rgba);
+  return Upload(this->Layers, window, format, width, height, plan.layer) &&
+    Upload(this->LayerColors, window, format, width, height, plan.layer_rgba);
 }
 
 //------------------------------------------------------------------------------

@@ -21,11 +21,6 @@ class vtkWindow;
 class vtkChiOcclusionTextures
 {
 public:
-  enum
-  {
-    TABLE_WIDTH = 4096 // entries a row of a table's texture
-  };
-
   // False where OpenGL refuses one of them.
   bool Update(vtkOpenGLRenderWindow* window, const chi_occlusion_plan& plan);
   void ReleaseGraphicsResources(vtkWindow* window);

@@ -367,7 +367,12 @@ bool vtkChiProjectedTetrahedraMapper::RenderEngine()
 {
   Internals& in = *this->Internal;
   const vtkChiExec exec(nullptr); // no events while drawing, so no abort and no progress
-  const chi_status status = in.Engine.Render(exec.Get(), in.MakeFrame());
+  const chi_status status = in.Engine.Render(
+    exec.Get(), vtkOpenGLRenderWindow::SafeDownCast(in.Window), in.MakeFrame(), this->Engine);
+  if (this->Engine == ENGINE_OPENGL && in.Engine.GetInUse() == ENGINE_CPU)
+  {
+    this->SayOnce("the CPU engine draws in place of the OpenGL engine: " + in.Engine.GetReason());
+  }
   if (status != CHI_OK)
   {
     this->ReportFailure(status);
@@ -381,6 +386,10 @@ void vtkChiProjectedTetrahedraMapper::Composite(vtkRenderer* renderer, vtkVolume
 {
   Internals& in = *this->Internal;
   const double start = vtkTimerLog::GetUniversalTime();
+  if (in.Shared)
+  {
+    in.Engine.ReadImage();
+  }
   const chi_tet_image& from = in.Engine.GetImage();
   chi_occlusion_image image = {};
   image.width = from.width;
@@ -398,6 +407,7 @@ void vtkChiProjectedTetrahedraMapper::Composite(vtkRenderer* renderer, vtkVolume
   picture.Width = from.width;
   picture.Height = from.height;
   picture.Rgba = from.rgba;
+  picture.RgbaTexture = in.Engine.GetLayer();
   // merged pictures change with what lies in front and behind
   const bool merge = in.Shared && in.Frame->GetNumberOfLayers() > 1;
   picture.Unchanged = in.Engine.GetStats().reused != 0 && !merge && !in.LastMerged;
@@ -406,6 +416,7 @@ void vtkChiProjectedTetrahedraMapper::Composite(vtkRenderer* renderer, vtkVolume
   {
     in.Frame->MergeLastLayer(in.Merged, {});
     picture.Rgba = in.Merged.empty() ? from.rgba : in.Merged.data();
+    picture.RgbaTexture = nullptr;
   }
   picture.Peeling = in.Peeling;
   picture.Dither = this->Dither;
@@ -548,6 +559,7 @@ void vtkChiProjectedTetrahedraMapper::Report()
 void vtkChiProjectedTetrahedraMapper::ReleaseGraphicsResources(vtkWindow* window)
 {
   Internals& in = *this->Internal;
+  in.Engine.ReleaseGraphicsResources(window);
   in.Compositor.ReleaseGraphicsResources(window);
   in.Selection.ReleaseGraphicsResources(window);
   if (in.Frame && window) // vtkRenderer::SetRenderWindow says null before the first frame

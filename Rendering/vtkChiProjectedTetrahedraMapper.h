@@ -114,6 +114,12 @@ public:
     SKIP_UNCHANGED = 128, // stages whose sources have not changed since the frame before
     SKIP_EVERY_KIND = 254
   };
+  enum Engines
+  {
+    ENGINE_AUTO = 0,
+    ENGINE_CPU = 1,
+    ENGINE_OPENGL = 2
+  };
   // Those of vtkSmartVolumeMapper.
   enum VectorModes
   {
@@ -222,6 +228,32 @@ public:
    */
   vtkSetClampMacro(PickingOpacity, double, 0.001, 0.99);
   vtkGetMacro(PickingOpacity, double);
+  ///@}
+
+  ///@{
+  /**
+   * Which engine draws: the CPU engine, or the OpenGL engine (OpenGL 3.2, on the graphics card),
+   * which draws the same order and makes the same picture within 1/255 in the mean. Its planes are
+   * floats: thickness is within 2e-5 of a cell's longest edge where edges are up to 1 : 1000, and
+   * within 2e-3 up to 1 : 1e5. Auto, the default, takes the OpenGL engine, unless OpenGL itself is
+   * drawn in software. Where the OpenGL engine cannot draw, as meshes beyond the largest texture,
+   * the CPU engine does; asked for explicitly, that is a warning, once for each cause. It does not
+   * skip saturated tiles, and keeps no fragments.
+   */
+  vtkSetClampMacro(Engine, int, ENGINE_AUTO, ENGINE_OPENGL);
+  vtkGetMacro(Engine, int);
+  void SetEngineToAuto() { this->SetEngine(ENGINE_AUTO); }
+  void SetEngineToCPU() { this->SetEngine(ENGINE_CPU); }
+  void SetEngineToOpenGL() { this->SetEngine(ENGINE_OPENGL); }
+  ///@}
+
+  ///@{
+  /**
+   * The engine that drew the last frame, ENGINE_CPU or ENGINE_OPENGL (ENGINE_AUTO before the first
+   * one), and why, to be read by people.
+   */
+  int GetEngineInUse();
+  const char* GetEngineReason();
   ///@}
 
   ///@{
@@ -410,6 +442,7 @@ protected:
   int OpacityConvention = OPACITY_LINEAR;
   bool AutomaticUnitDistance = false;
   double PickingOpacity = 0.5;
+  int Engine = ENGINE_AUTO;
   bool Dither = false;
   int ImageReduction = 1;
   bool AutoAdjustQuality = true;

@@ -15,6 +15,7 @@ bool vtkChiProjectedTetrahedraMapper::GetFloatImage(vtkImageData* image)
     vtkErrorMacro("GetFloatImage needs a vtkImageData to write into.");
     return false;
   }
+  this->Internal->Engine.ReadImage();
   const chi_tet_image& from = this->Internal->Engine.GetImage();
   const bool any = this->Internal->Drawn && from.rgba;
   vtkFloatArray* values =
@@ -93,6 +94,14 @@ CHI_REPORT(bool, ReusedLastFrame, stats.reused != 0)
 #undef CHI_REPORT
 
 //------------------------------------------------------------------------------
+int vtkChiProjectedTetrahedraMapper::GetEngineInUse()
+{
+  return this->Internal->Engine.GetInUse();
+}
+const char* vtkChiProjectedTetrahedraMapper::GetEngineReason()
+{
+  return this->Internal->Engine.GetReason().c_str();
+}
 int vtkChiProjectedTetrahedraMapper::GetUsedImageReduction()
 {
   return this->Internal->Drawn ? std::max(this->Internal->Params.reduction, 1)
@@ -138,6 +147,7 @@ void vtkChiProjectedTetrahedraMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "AutomaticUnitDistance: " << this->AutomaticUnitDistance << "\n";
   os << indent << "PickingOpacity: " << this->PickingOpacity << "\n";
   os << indent << "Dither: " << this->Dither << "\n";
+  os << indent << "Engine: " << this->Engine << "\n";
   os << indent << "ImageReduction: " << this->ImageReduction << "\n";
   os << indent << "AutoAdjustQuality: " << this->AutoAdjustQuality << "\n";
   os << indent << "FragmentCacheLimit: " << this->FragmentCacheLimit << "\n";

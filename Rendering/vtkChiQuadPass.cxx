@@ -10,7 +10,10 @@
 #include "vtkOpenGLRenderWindow.h"
 #include "vtkOpenGLShaderCache.h"
 #include "vtkOpenGLState.h"
+#include "vtkOpenGLVertexArrayObject.h"
 #include "vtkShaderProgram.h"
+
+#include <algorithm>
 
 //------------------------------------------------------------------------------
 // What draws change, put back at the end.
@@ -93,7 +96,8 @@ void vtkChiQuadPass::End()
 }
 
 //------------------------------------------------------------------------------
-vtkShaderProgram* vtkChiQuadPass::Use(const char* shader, const std::string& definitions)
+vtkShaderProgram* vtkChiQuadPass::Use(
+  const char* shader, const std::string& definitions, const char* vertices)
 {
   std::unique_ptr<vtkOpenGLQuadHelper>& quad = this->Programs[{ shader, definitions }];
   if (quad)
@@ -103,8 +107,11 @@ vtkShaderProgram* vtkChiQuadPass::Use(const char* shader, const std::string& def
   else
   {
     std::string source = shader;
+    std::string vertexSource = vertices ? vertices : "";
     vtkShaderProgram::Substitute(source, "//CHI::Defines::Dec", definitions);
-    quad.reset(new vtkOpenGLQuadHelper(this->Window, nullptr, source.c_str(), ""));
+    vtkShaderProgram::Substitute(vertexSource, "//CHI::Defines::Dec", definitions);
+    quad.reset(new vtkOpenGLQuadHelper(
+      this->Window, vertices ? vertexSource.c_str() : nullptr, source.c_str(), ""));
   }
   this->Quad = quad.get();
   this->Failed = this->Failed || !quad->Program;
@@ -147,13 +154,10 @@ void vtkChiQuadPass::Bind(const std::vector<vtkTextureObject*>& targets, const c
 void vtkChiQuadPass::Draw(const std::vector<vtkTextureObject*>& targets, const chi_rect& rect,
   Blending blending, std::size_t blended)
 {
-  vtkOpenGLState* state = this->Window->GetState();
   this->Bind(targets, rect);
+  this->Blend(blending);
   if (blending != REPLACE)
   {
-    const unsigned int factor = blending == UNDER ? GL_ONE_MINUS_DST_ALPHA : GL_ONE;
-    state->vtkglEnable(GL_BLEND);
-    state->vtkglBlendFuncSeparate(factor, GL_ONE, factor, GL_ONE);
     for (std::size_t i = blended; i < targets.size(); ++i)
     {
       glDisablei(GL_BLEND, static_cast<unsigned int>(i));
@@ -166,7 +170,48 @@ void vtkChiQuadPass::Draw(const std::vector<vtkTextureObject*>& targets, const c
     this->Quad->Program->SetUniform2f("targetSize", size);
     this->Quad->Render();
   }
-  state->vtkglDisable(GL_BLEND); // of all targets, whatever was set for one
+  this->Finish();
+}
+
+//------------------------------------------------------------------------------
+void vtkChiQuadPass::DrawInstances(
+  vtkTextureObject* target, const chi_rect& rect, Blending blending, std::size_t count)
+{
+  constexpr std::size_t BATCH = 1 << 18; // systems stop a call that keeps them for seconds
+  this->Bind({ target }, rect);
+  this->Blend(blending);
+  for (std::size_t first = 0; first < count && !this->Failed; first += BATCH)
+  {
+    this->Quad->Program->SetUniformi("firstInstance", static_cast<int>(first));
+    this->Quad->VAO->Bind();
+    glDrawArraysInstanced(
+      GL_TRIANGLE_STRIP, 0, 4, static_cast<int>(std::min(BATCH, count - first)));
+    this->Quad->VAO->Release();
+  }
+  this->Finish();
+}
+
+//------------------------------------------------------------------------------
+void vtkChiQuadPass::Blend(Blending blending)
+{
+  if (blending == REPLACE)
+  {
+    return;
+  }
+  vtkOpenGLState* state = this->Window->GetState();
+  const unsigned int source = blending == UNDER ? GL_ONE_MINUS_DST_ALPHA : GL_ONE;
+  const unsigned int target = blending == OVER ? GL_ONE_MINUS_SRC_ALPHA : GL_ONE;
+  state->vtkglEnable(GL_BLEND);
+  state->vtkglBlendEquation(blending == MAXIMUM ? GL_MAX : GL_FUNC_ADD);
+  state->vtkglBlendFuncSeparate(source, target, source, target);
+}
+
+//------------------------------------------------------------------------------
+void vtkChiQuadPass::Finish()
+{
+  // of all targets, whatever was set for one
+  this->Window->GetState()->vtkglDisable(GL_BLEND);
+  this->Window->GetState()->vtkglBlendEquation(GL_FUNC_ADD);
   for (vtkTextureObject* texture : this->Textures)
   {
     texture->Deactivate();

@@ -30,19 +30,27 @@ public:
   {
     REPLACE,
     UNDER, // what is there stays in front
-    ADD    // to what is there
+    OVER,  // what is there lies behind
+    ADD,   // to what is there
+    MAXIMUM
   };
 
   // All draws lie between these two; OpenGL's state is afterwards as it was.
   void Begin(vtkOpenGLRenderWindow* window);
   void End();
 
-  // Null where the shader cannot be built. `definitions` are lines of GLSL.
-  vtkShaderProgram* Use(const char* shader, const std::string& definitions);
+  // Null where the shader cannot be built. `definitions` are lines of GLSL. `vertices`: the vertex
+  // shader that belongs to the fragment shader; null: that of a quad over the whole target.
+  vtkShaderProgram* Use(
+    const char* shader, const std::string& definitions, const char* vertices = nullptr);
   void Read(const char* name, vtkTextureObject* texture);
   // The first `blended` targets are blended, further ones replaced.
   void Draw(const std::vector<vtkTextureObject*>& targets, const chi_rect& rect,
     Blending blending = REPLACE, std::size_t blended = 1);
+  // A quad each, in order, of which the vertex shader makes what it likes: it is the
+  // firstInstance + gl_InstanceID-th.
+  void DrawInstances(
+    vtkTextureObject* target, const chi_rect& rect, Blending blending, std::size_t count);
   // Fill a rectangle of a texture with one value.
   void Clear(vtkTextureObject* target, const chi_rect& rect, const float value[4]);
   // Whether the frame buffer of a draw was refused.
@@ -55,6 +63,8 @@ public:
 private:
   class State;
   void Bind(const std::vector<vtkTextureObject*>& targets, const chi_rect& rect);
+  void Blend(Blending blending);
+  void Finish();
 
   vtkOpenGLRenderWindow* Window = nullptr; // between Begin and End
   std::shared_ptr<State> Restore;

@@ -3,6 +3,7 @@
 #include "chi_tet_internal.h"
 
 #include "chi_occlusion_internal.h" /* what it knows of shading */
+#include "math/chi_mat4.h"
 
 #include <float.h>
 #include <math.h>
@@ -58,6 +59,13 @@ typedef struct draw_key
   chi_shading_key shading;
 } draw_key;
 
+/* What a plan is made from. */
+typedef struct described_key
+{
+  draw_key draw;
+  uint64_t versions[4];
+} described_key;
+
 /* What fragments are made from, but for their colours. */
 typedef struct cache_key
 {
@@ -92,8 +100,10 @@ struct chi_tet
   draw_key drawn;
   /* of chi_tet_describe */
   uint64_t versions[4]; /* of the points, the sequence, the vertices, the values */
-  uint64_t sequenced;   /* version of the sequence that is made; 0: none */
-  chi_buffer sequence;  /* uint32 */
+  described_key described;
+  uint64_t frame_version;
+  uint64_t sequenced;  /* version of the sequence that is made; 0: none */
+  chi_buffer sequence; /* uint32 */
   size_t sequence_count;
   chi_tet_stats stats;
 };
@@ -526,43 +536,66 @@ static chi_status prepare(const chi_exec* exec, chi_tet* tet, const chi_tet_fram
   return status;
 }
 
-chi_status chi_tet_describe(
-  const chi_exec* exec, chi_tet* tet, const chi_tet_frame* frame, chi_tet_plan* plan)
+/* A frame of fewer pixels in place of the one asked for, where that is asked for. */
+static chi_status reduce(const chi_exec* exec, chi_tet* tet, own_frame* own)
 {
-  own_frame own;
-  if (!tet || !plan)
+  chi_tet_frame* const f = &own->frame;
+  if (own->params.reduction <= 1)
   {
-    return CHI_ERROR_INVALID_ARGUMENT;
+    return CHI_OK;
   }
-  chi_status status = adopt(&own, frame);
-  if (status != CHI_OK)
+  const chi_status status = chi_tet_reduce(exec, &tet->reduction, f, own->params.reduction);
+  f->camera = &tet->reduction.camera;
+  f->surface = f->surface ? &tet->reduction.surface : NULL;
+  return status;
+}
+
+/* `full`: of the picture that is handed out. */
+static draw_key key_of_draw(const chi_tet* tet, const chi_tet_frame* f, const chi_camera* full)
+{
+  draw_key key;
+  memset(&key, 0, sizeof key);
+  key.tables = tet->tables.version;
+  key.blend = f->params->blend;
+  key.skip = f->params->skip & CHI_TET_SKIP_SATURATED;
+  key.depth = f->surface ? f->surface->depth : NULL;
+  key.surface = f->surface ? f->surface->version : 0;
+  chi_shading_make_key(&key.shading, f->shading);
+  key.size[0] = full->width;
+  key.size[1] = full->height;
+  return key;
+}
+
+/* Of the eye's space, in which the mesh's bounds are a box that is turned. */
+static double limit_of_points(const chi_tet* tet, const chi_tet_frame* f)
+{
+  double matrix[16], limit = 0;
+  memcpy(matrix, f->camera->world_to_eye, sizeof matrix);
+  if (f->grid_to_world)
   {
-    return status;
+    chi_mat4_multiply(f->camera->world_to_eye, f->grid_to_world, matrix);
   }
-  const chi_tet_frame* const f = &own.frame;
-  const double start = now();
-  status = prepare(exec, tet, f);
-  if (status == CHI_OK && (tet->sequenced != tet->versions[1] || !tet->sequenced))
+  const double* const bounds = tet->mesh.counts.bounds;
+  for (int corner = 0; corner < 8; ++corner)
   {
-    status = chi_tet_sequence(
-      exec, &tet->bins, &tet->mesh, tet->bits, &tet->sequence, &tet->sequence_count);
-    tet->sequenced = status == CHI_OK ? tet->versions[1] : 0;
-  }
-  if (status != CHI_OK)
-  {
-    return status;
-  }
-  if (f->shading)
-  {
-    status = chi_tet_shade(exec, &tet->shades, &tet->mesh, &tet->values, &tet->eye, &tet->bins, f);
-    if (status != CHI_OK)
+    for (int i = 0; i < 3; ++i)
     {
-      return status;
+      double x = matrix[4 * i + 3];
+      for (int j = 0; j < 3; ++j)
+      {
+        x += matrix[4 * i + j] * bounds[2 * j + (corner >> j & 1)];
+      }
+      limit = fmax(limit, fabs(x));
     }
   }
+  return limit;
+}
+
+static chi_tet_plan make_plan(const chi_tet* tet, const chi_tet_frame* f, const chi_camera* full)
+{
   const chi_tet_values* const v = &tet->values;
   const chi_tet_mesh* const m = &tet->mesh;
-  *plan = (chi_tet_plan){ .struct_size = sizeof *plan,
+  return (chi_tet_plan){ .struct_size = sizeof(chi_tet_plan),
     .points = (const double*)tet->eye.points.data,
     .scalars = (const float*)v->scalars.data,
     .opacities = v->separate ? (const float*)v->opacities.data : NULL,
@@ -579,13 +612,65 @@ chi_status chi_tet_describe(
     .plane_count = f->clip_plane_count,
     .maximum_path = tet->stats.unit_distance,
     .opacity_convention = f->params->opacity_convention,
-    .shades = f->shading ? (const float*)tet->shades.data : NULL,
-    .color_limit = f->shading && f->shading->unclamped ? INFINITY : 1,
+    .parallel = f->camera->parallel != 0,
     .tables = tet->tables,
     .points_version = tet->versions[0],
     .scalars_version = tet->versions[3],
     .vertices_version = tet->versions[2],
-    .sequence_version = tet->versions[1] };
+    .sequence_version = tet->versions[1],
+    .shades = f->shading ? (const float*)tet->shades.data : NULL,
+    .color_limit = f->shading && f->shading->unclamped ? INFINITY : 1,
+    .width = f->camera->width,
+    .height = f->camera->height,
+    .full_width = full->width,
+    .full_height = full->height,
+    .reduction = f->params->reduction > 1 ? f->params->reduction : 1,
+    .first = { tet->eye.first[0], tet->eye.first[1] },
+    .step = { tet->eye.step[0], tet->eye.step[1] },
+    .near_depth = f->camera->near_depth,
+    .point_limit = limit_of_points(tet, f),
+    .depth = f->surface ? f->surface->depth : NULL,
+    .surface_version = f->surface ? f->surface->version : 0,
+    .frame_version = tet->frame_version };
+}
+
+chi_status chi_tet_describe(
+  const chi_exec* exec, chi_tet* tet, const chi_tet_frame* frame, chi_tet_plan* plan)
+{
+  own_frame own;
+  const chi_status valid = tet && plan && plan->struct_size >= sizeof *plan
+    ? adopt(&own, frame)
+    : CHI_ERROR_INVALID_ARGUMENT;
+  if (valid != CHI_OK)
+  {
+    return valid;
+  }
+  const double start = now();
+  const chi_tet_frame* const f = &own.frame;
+  chi_status status = reduce(exec, tet, &own);
+  status = status == CHI_OK ? prepare(exec, tet, f) : status;
+  if (status == CHI_OK && (tet->sequenced != tet->versions[1] || !tet->sequenced))
+  {
+    status = chi_tet_sequence(
+      exec, &tet->bins, &tet->mesh, tet->bits, &tet->sequence, &tet->sequence_count);
+    tet->sequenced = status == CHI_OK ? tet->versions[1] : 0;
+  }
+  if (status == CHI_OK && f->shading)
+  {
+    status = chi_tet_shade(exec, &tet->shades, &tet->mesh, &tet->values, &tet->eye, &tet->bins, f);
+  }
+  if (status != CHI_OK)
+  {
+    return status;
+  }
+  described_key key;
+  memset(&key, 0, sizeof key);
+  key.draw = key_of_draw(tet, f, &own.camera);
+  memcpy(key.versions, tet->versions, sizeof key.versions);
+  tet->stats.reused = !differs(tet, f, tet->frame_version != 0, &tet->described, &key, sizeof key);
+  tet->frame_version += !tet->stats.reused;
+  tet->described = key;
+  *plan = make_plan(tet, f, &own.camera);
   tet->stats.drawn = (int64_t)tet->sequence_count;
   tet->stats.seconds_draw = 0;
   tet->stats.seconds_total = now() - start;
@@ -710,29 +795,14 @@ chi_status chi_tet_render(const chi_exec* exec, chi_tet* tet, const chi_tet_fram
   const double start = now();
   const int32_t width = f->camera->width, height = f->camera->height;
   const int reduced = own.params.reduction > 1;
-  chi_status status = CHI_OK;
-  if (reduced)
-  {
-    status = chi_tet_reduce(exec, &tet->reduction, f, own.params.reduction);
-    f->camera = &tet->reduction.camera;
-    f->surface = f->surface ? &tet->reduction.surface : NULL;
-  }
+  chi_status status = reduce(exec, tet, &own);
   chi_tet_stats* const s = &tet->stats;
   status = status == CHI_OK ? prepare(exec, tet, f) : status;
   if (status == CHI_ERROR_INVALID_ARGUMENT)
   {
     return status;
   }
-  draw_key key;
-  memset(&key, 0, sizeof key);
-  key.tables = tet->tables.version;
-  key.blend = f->params->blend;
-  key.skip = f->params->skip & CHI_TET_SKIP_SATURATED;
-  key.depth = f->surface ? f->surface->depth : NULL;
-  key.surface = f->surface ? f->surface->version : 0;
-  chi_shading_make_key(&key.shading, f->shading);
-  key.size[0] = width;
-  key.size[1] = height;
+  const draw_key key = key_of_draw(tet, f, &own.camera);
   if (status == CHI_OK && tet->has_image && s->skipped[7] == STAGES &&
     !differs(tet, f, 1, &tet->drawn, &key, sizeof key))
   {

@@ -1,11 +1,8 @@
 // SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
 // SPDX-License-Identifier: BSD-3-Clause
 // Switching between the engines, and releasing them, leaves no texture behind.
-#if __has_include("vtk_glad.h")
-#  include "vtk_glad.h"
-#else
-#  include "vtk_glew.h"
-#endif
+#include "ChiTestTextures.h"
+
 #include "vtkChiCombinedOcclusionVolumeMapper.h"
 
 #include "vtkActor.h"
@@ -23,21 +20,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <iostream>
-
-namespace
-{
-// Names are small numbers in every implementation that hands out the next free one.
-int countTextures(vtkRenderWindow* window)
-{
-  window->MakeCurrent();
-  int count = 0;
-  for (unsigned int name = 1; name < 4096; ++name)
-  {
-    count += glIsTexture(name) ? 1 : 0;
-  }
-  return count;
-}
-}
 
 int TestChiCombinedOcclusionEngines(int, char*[])
 {
@@ -76,17 +58,17 @@ int TestChiCombinedOcclusionEngines(int, char*[])
   window->SetSize(12, 10);
   window->AddRenderer(renderer);
   window->Render();
-  const int without = countTextures(window);
+  const int without = ChiCountTextures(window);
 
   renderer->AddVolume(volume);
   renderer->ResetCamera();
   mapper->SetEngineToCPU();
   window->Render();
-  const int cpu = countTextures(window);
+  const int cpu = ChiCountTextures(window);
   mapper->SetEngineToOpenGL();
   window->Render();
   claim(mapper->GetEngineInUse() == Mapper::ENGINE_OPENGL, "the OpenGL engine draws");
-  const int opengl = countTextures(window);
+  const int opengl = ChiCountTextures(window);
   claim(opengl > cpu + 10, "the OpenGL engine keeps its planes in textures");
   int most = 0;
   for (int i = 0; i < 200; ++i)
@@ -94,12 +76,12 @@ int TestChiCombinedOcclusionEngines(int, char*[])
     mapper->SetEngine(i % 2 ? Mapper::ENGINE_OPENGL : Mapper::ENGINE_CPU);
     window->Render();
     claim(mapper->GetEngineInUse() == mapper->GetEngine(), "each engine draws when it is asked to");
-    most = i % 100 == 99 ? std::max(most, countTextures(window)) : most;
+    most = i % 100 == 99 ? std::max(most, ChiCountTextures(window)) : most;
   }
   claim(most <= opengl, "200 switches leave no texture behind");
   mapper->SetEngineToCPU();
   window->Render();
-  claim(countTextures(window) <= cpu, "what the OpenGL engine held is free while the CPU draws");
+  claim(ChiCountTextures(window) <= cpu, "what the OpenGL engine held is free while the CPU draws");
 
   // planes of other numbers and sizes
   mapper->SetEngineToOpenGL();
@@ -118,11 +100,11 @@ int TestChiCombinedOcclusionEngines(int, char*[])
   mapper->GeometryToGeometryOn();
   window->SetSize(12, 10);
   window->Render();
-  claim(countTextures(window) <= opengl + 2,
+  claim(ChiCountTextures(window) <= opengl + 2,
     "what other settings needed is gone"); // two of 17 and more directions
 
   renderer->RemoveViewProp(volume); // releases its graphics resources
   window->Render();
-  claim(countTextures(window) <= without, "nothing is left of a mapper that has been released");
+  claim(ChiCountTextures(window) <= without, "nothing is left of a mapper that has been released");
   return good ? EXIT_SUCCESS : EXIT_FAILURE;
 }

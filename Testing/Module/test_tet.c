@@ -308,7 +308,7 @@ static void what_was_described_is_still_to_be_drawn(void)
   make_scene(&s, mesh, TET_VIEW_AXIS, 0, 32);
   chi_tet *tet, *fresh;
   chi_tet_image image, expected;
-  chi_tet_plan plan;
+  chi_tet_plan plan = { .struct_size = sizeof plan };
   chi_tet_stats stats;
   CHECK(chi_tet_create(NULL, &tet) == CHI_OK && chi_tet_create(NULL, &fresh) == CHI_OK);
   CHECK(chi_tet_render(NULL, tet, &s.frame) == CHI_OK);

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tests of vtkChiCombinedOcclusionVolumeMapper that run once with each engine."""
+"""Tests that run once with each engine of a mapper that has two."""
 import unittest
 
 from chiaroscuro.vtkChiRendering import vtkChiCombinedOcclusionVolumeMapper
@@ -21,9 +21,9 @@ class InOpenGL:
     ENGINE = vtkChiCombinedOcclusionVolumeMapper.ENGINE_OPENGL
 
 
-def new_mapper():
+def new_mapper(kind=vtkChiCombinedOcclusionVolumeMapper):
     """A mapper of the engine whose turn it is."""
-    mapper = vtkChiCombinedOcclusionVolumeMapper()
+    mapper = kind()
     mapper.SetEngine(InEachEngine.now)
     return mapper
 

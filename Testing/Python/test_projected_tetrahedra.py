@@ -4,6 +4,7 @@
 import unittest
 
 import numpy as np
+from each_engine import InEachEngine, InOpenGL, new_mapper
 from occlusion_scene import Scene, float_image, sphere, square
 from tetrahedra_scene import TetScene, cube, even, extinction, interval, paths, rays
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPlane
@@ -29,7 +30,7 @@ def even_cube(n=2, tau=TAU, size=(64, 64), direction=OBLIQUE, half=1.0, parallel
     return scene
 
 
-class Cube(unittest.TestCase):
+class Cube(InEachEngine):
     def assert_even(self, scene, exact, bound=FLOAT, message=""):
         rgba = scene.rgba()
         self.assertEqual((scene.messages.errors, scene.messages.warnings), ([], []))
@@ -146,7 +147,7 @@ class Cube(unittest.TestCase):
         self.assert_even(scene, alpha(10.0, 0.9 / unit))
 
 
-class Geometry(unittest.TestCase):
+class Geometry(InEachEngine):
     """Opaque geometry ends rays at every pixel."""
 
     def check(self, scene, place):
@@ -199,7 +200,7 @@ class Geometry(unittest.TestCase):
         data = cube(2)
         mappers = []
         for renderer in scene.renderers:
-            mapper = vtkChiProjectedTetrahedraMapper()
+            mapper = new_mapper(vtkChiProjectedTetrahedraMapper)
             scene.add_volume(data, even(TAU), mapper, renderer)
             scene.look(renderer=renderer)
             mappers.append(mapper)
@@ -221,7 +222,7 @@ class Geometry(unittest.TestCase):
         self.assertLess(np.abs(float_image(scene.mapper)[..., 3] - exact).max(), FLOAT)
 
 
-class Blending(unittest.TestCase):
+class Blending(InEachEngine):
     def test_maximum_intensity_is_that_of_the_largest_scalar_along_the_ray(self):
         # a ramp along x: seen along -z the largest scalar of a ray is that of its column
         ramp = cube(4, field=lambda x, y, z: x + 0.5)
@@ -248,7 +249,7 @@ class Blending(unittest.TestCase):
                 (cube(2, 0.5, (0, 0, -0.5)), ((0.0, (0.0, 0.0, 1.0)), (1.0, (0.0, 0.0, 1.0)))),
             ]
             for data, colors in parts[:: 1 - 2 * order]:
-                mapper = vtkChiProjectedTetrahedraMapper()
+                mapper = new_mapper(vtkChiProjectedTetrahedraMapper)
                 scene.add_volume(data, extinction(1.0, 0.25, colors, ((0.0, 1.0), (1.0, 1.0))), mapper)
             scene.look(half=0.5)
             pictures.append(scene.pixels())
@@ -258,7 +259,7 @@ class Blending(unittest.TestCase):
             self.assertLess(abs(picture[32, 32, 2] - (1.0 - front) * front), BYTES + 1.0 / 255.0)
 
 
-class State(unittest.TestCase):
+class State(InEachEngine):
     def test_nothing_changed_is_drawn_again(self):
         scene = even_cube()
         first = scene.rgba()
@@ -323,6 +324,22 @@ class State(unittest.TestCase):
         self.assertEqual(scene.mapper.GetNumberOfOrderViolations(), 0)
         self.assertEqual(scene.mapper.GetNumberOfCycles(), 0)
         np.testing.assert_array_equal(float_image(scene.mapper), before) # counting takes nothing away
+
+
+class CubeInOpenGL(InOpenGL, Cube):
+    pass
+
+
+class GeometryInOpenGL(InOpenGL, Geometry):
+    pass
+
+
+class BlendingInOpenGL(InOpenGL, Blending):
+    pass
+
+
+class StateInOpenGL(InOpenGL, State):
+    pass
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@
 import unittest
 
 import numpy as np
+from each_engine import InEachEngine, InOpenGL
 from occlusion_scene import Messages, Scene
 from tetrahedra_scene import (
     TetScene,
@@ -41,7 +42,7 @@ def one(corners, tau=TAU, **look):
     return scene
 
 
-class OneTetrahedron(unittest.TestCase):
+class OneTetrahedron(InEachEngine):
     def assert_path(self, scene, corners, tau=TAU, bound=FLOAT):
         exact = alpha(paths_in(scene.renderer, 64, 64, corners), tau)
         rgba = scene.rgba()
@@ -105,7 +106,7 @@ class OneTetrahedron(unittest.TestCase):
                     self.assert_path(scene, corners, tau, FLOAT + 1.6e-5 * min(tau, 1e3))
 
 
-class Meshes(unittest.TestCase):
+class Meshes(InEachEngine):
     def test_six_cells_are_all_there_on_the_very_first_frame(self):
         scene = TetScene(cube(1), even(TAU))
         scene.look(OBLIQUE, half=1.0)
@@ -214,6 +215,14 @@ class Meshes(unittest.TestCase):
         self.assertLessEqual(ours, 0.3) # the bound: rounding to 8 bits is 0.25 in the mean
         both = 255.0 * np.abs(np.subtract(*pictures.values()))[far].mean()
         self.assertLessEqual(both, ours + theirs) # what the two errors allow
+
+
+class OneTetrahedronInOpenGL(InOpenGL, OneTetrahedron):
+    pass
+
+
+class MeshesInOpenGL(InOpenGL, Meshes):
+    pass
 
 
 if __name__ == "__main__":

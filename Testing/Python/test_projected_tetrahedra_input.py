@@ -4,6 +4,7 @@
 import unittest
 
 import numpy as np
+from each_engine import InEachEngine, InOpenGL, new_mapper
 from occlusion_scene import Messages, Scene
 from tetrahedra_scene import TetScene, cube, even, extinction, hexahedra_of, lattice, mesh, paths, tetrahedra_of
 from vtkmodules.util import vtkConstants
@@ -188,7 +189,7 @@ def as_polyhedra():
     return scalars_of(data)
 
 
-class Classes(unittest.TestCase):
+class Classes(InEachEngine):
     def test_every_class_and_cell_type_draws_what_tetrahedra_draw(self):
         reference, scene = picture(as_cells(VTK_TETRA))
         self.assertGreater((reference[..., 3] > 0.3).sum(), 500)
@@ -257,7 +258,7 @@ class Classes(unittest.TestCase):
     def test_a_pipeline_feeds_it_and_its_changes_are_seen(self):
         producer = vtkTrivialProducer()
         producer.SetOutput(as_cells(VTK_TETRA))
-        mapper = vtkChiProjectedTetrahedraMapper()
+        mapper = new_mapper(vtkChiProjectedTetrahedraMapper)
         mapper.SetInputConnection(producer.GetOutputPort())
         scene = TetScene()
         from vtkmodules.vtkRenderingCore import vtkVolume
@@ -274,7 +275,7 @@ class Classes(unittest.TestCase):
         self.assertGreater((second > 0).sum(), 100)
 
 
-class Scalars(unittest.TestCase):
+class Scalars(InEachEngine):
     def test_every_type_draws_the_same(self):
         numbers = np.round(100.0 * np.clip(values(), 0.0, 1.0))
         prop = extinction(unit=0.2, colors=[(100.0 * p, c) for p, c in COLORS], ramp=((0.0, 0.1), (100.0, 1.0)))
@@ -379,7 +380,7 @@ class Scalars(unittest.TestCase):
         self.assertLess(abs(scene.rgba()[32, 32, 3] - (1.0 - np.exp(-0.25))), FLOAT)
 
 
-class BadInput(unittest.TestCase):
+class BadInput(InEachEngine):
     """Each cause is named once: class, array, reason; nothing is drawn, or all that is good."""
 
     def assert_says(self, data, words, error=True, prepare=None, drawn=False):
@@ -502,6 +503,18 @@ class BadInput(unittest.TestCase):
         scene.mapper.SetOpacityArrayName("nowhere")
         scene.window.Render()
         self.assertEqual(len(scene.messages.errors), 2)
+
+
+class ClassesInOpenGL(InOpenGL, Classes):
+    pass
+
+
+class ScalarsInOpenGL(InOpenGL, Scalars):
+    pass
+
+
+class BadInputInOpenGL(InOpenGL, BadInput):
+    pass
 
 
 if __name__ == "__main__":

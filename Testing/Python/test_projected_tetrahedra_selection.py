@@ -4,6 +4,7 @@
 import unittest
 
 import numpy as np
+from each_engine import InEachEngine, InOpenGL
 from occlusion_scene import float_image, sphere
 from tetrahedra_scene import TetScene, even, extinction, hexahedra_of, lattice, mesh
 from vtkmodules.util.vtkConstants import VTK_HEXAHEDRON
@@ -51,7 +52,7 @@ def column(pixel):
     return pixel * N // SIZE
 
 
-class Selection(unittest.TestCase):
+class Selection(InEachEngine):
     def test_the_first_opaque_cell_of_each_column_is_found(self):
         # layer k = 3 is nearest; what is opaque is 1 - exp(-25) of a cell
         opacities = np.zeros((N, N, N))
@@ -114,6 +115,10 @@ class Selection(unittest.TestCase):
         self.assertIs(picker.GetViewProp(), scene.volume)
         np.testing.assert_array_equal(float_image(scene.mapper), before)
         np.testing.assert_array_equal(scene.rgba(), before)
+
+
+class SelectionInOpenGL(InOpenGL, Selection):
+    pass
 
 
 if __name__ == "__main__":

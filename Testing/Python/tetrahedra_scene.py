@@ -4,6 +4,7 @@
 import itertools
 
 import numpy as np
+from each_engine import check_engine, new_mapper
 from occlusion_scene import Messages, Scene, float_image
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 from vtkmodules.util.vtkConstants import VTK_TETRA
@@ -100,7 +101,7 @@ class TetScene(Scene):
 
     def __init__(self, data=None, prop=None, size=(64, 64), **options):
         super().__init__(size, **options)
-        self.mapper = vtkChiProjectedTetrahedraMapper()
+        self.mapper = new_mapper(vtkChiProjectedTetrahedraMapper)
         self.messages = Messages(self.mapper)
         self.volume = None
         if data is not None:
@@ -109,6 +110,7 @@ class TetScene(Scene):
 
     def rgba(self):
         self.window.Render()
+        check_engine(self.mapper)
         return float_image(self.mapper)
 
 

@@ -209,8 +209,10 @@ CHI_API CHI_NODISCARD chi_status chi_tet_find_cells(const chi_exec* exec, chi_te
 CHI_API CHI_NODISCARD chi_status chi_tet_count_violations(
   const chi_exec* exec, chi_tet* tet, const chi_tet_frame* frame, int64_t* violations);
 
-/** What another engine needs to draw the same frame; owned by the handle, valid until its next
- * call.
+/** What another engine needs to draw the same frame; owned by the handle or, as the surface, by the
+ * caller, valid until the next call. A fragment's colour is that of chi_segment_evaluate over the
+ * part of the pixel's ray inside of the tetrahedron, with scalars clamped to the range of its
+ * vertices.
  */
 typedef struct chi_tet_plan
 {
@@ -228,9 +230,10 @@ typedef struct chi_tet_plan
   int32_t is_cell_data, blend;
   const double* planes; /**< [plane_count x 4] clip planes in the space of the points */
   size_t plane_count;
-  double maximum_path; /**< maximum intensity: opacity is that of a path so long */
+  double maximum_path; /**< maximum intensity: opacity is that of a path so long, by the convention:
+                            1 - exp(-extinction x path) of images, else that product, at most 1 */
   int32_t opacity_convention;
-  int32_t reserved;
+  int32_t parallel; /**< rays along the view axis, else from the origin */
   chi_segment_tables tables;
   uint64_t points_version, scalars_version, vertices_version, sequence_version;
   const float* shades; /**< [count x 6] what lights make of each tetrahedron of the sequence:
@@ -238,12 +241,25 @@ typedef struct chi_tet_plan
                           shading. A lit colour is at most color_limit, premultiplied at most that
                           times the fragment's alpha */
   double color_limit;
+  int32_t width, height;           /**< pixels to draw */
+  int32_t full_width, full_height; /**< pixels of the picture, to which it is enlarged, */
+  int32_t reduction;               /**< bilinearly, by this; 1: not */
+  int32_t reserved;
+  double first[2], step[2]; /**< centre of pixel (0, 0), the lowest on the left, and from one to the
+                                 next: at depth 1 in perspective, else world units */
+  double near_depth;        /**< what lies nearer is not drawn */
+  double point_limit;       /**< no coordinate of a point is larger */
+  const float* depth;       /**< [height x width] of the surface, at which rays end where it is
+                                 larger than 0; NULL: none */
+  uint64_t surface_version; /**< differs whenever `depth` does */
+  uint64_t frame_version;   /**< differs whenever the picture may */
 } chi_tet_plan;
 
 /**
- * Everything of a frame but its pixels.
+ * Everything of a frame but its pixels. stats.reused says that the plan is that of the last call.
  *
- * @param[out] plan  borrowed from the handle
+ * @param[in,out] plan  struct_size is that of the caller's; the rest is written, borrowed from the
+ *                      handle
  *
  * @retval as of chi_tet_render
  */
