@@ -326,6 +326,37 @@ static void what_was_described_is_still_to_be_drawn(void)
   tet_mesh_free(mesh);
 }
 
+/* A plan says what it is of: other engines draw again only where that changes. */
+static void a_plan_knows_when_its_picture_stands(void)
+{
+  tet_mesh* const mesh = tet_mesh_cubes(2, TET_RAMP);
+  scene s;
+  make_scene(&s, mesh, TET_VIEW_OBLIQUE, 0, 33);
+  chi_tet* tet;
+  chi_tet_plan plan = { .struct_size = sizeof plan };
+  CHECK(chi_tet_create(NULL, &tet) == CHI_OK);
+  CHECK(chi_tet_describe(NULL, tet, &s.frame, &plan) == CHI_OK);
+  CHECK(plan.width == 33 && plan.full_height == 33 && plan.reduction == 1);
+  CHECK(plan.sequence_count > 0 && plan.sequence_count <= plan.count && !plan.depth);
+  for (size_t i = 0; i < 3 * plan.point_count; ++i)
+  {
+    CHECK(fabs(plan.points[4 * (i / 3) + i % 3]) <= plan.point_limit * (1 + 1e-15));
+  }
+  const uint64_t first = plan.frame_version;
+  CHECK(first != 0);
+  CHECK(chi_tet_describe(NULL, tet, &s.frame, &plan) == CHI_OK && plan.frame_version == first);
+  s.params.blend = CHI_TET_BLEND_MAXIMUM;
+  CHECK(chi_tet_describe(NULL, tet, &s.frame, &plan) == CHI_OK && plan.frame_version > first);
+  const uint64_t second = plan.frame_version;
+  s.params.reduction = 2;
+  CHECK(chi_tet_describe(NULL, tet, &s.frame, &plan) == CHI_OK && plan.frame_version > second);
+  CHECK(plan.width == 17 && plan.full_width == 33 && plan.reduction == 2);
+  plan.struct_size = sizeof plan - 1; /* of a caller that would be written over */
+  CHECK(chi_tet_describe(NULL, tet, &s.frame, &plan) == CHI_ERROR_INVALID_ARGUMENT);
+  chi_tet_destroy(NULL, tet);
+  tet_mesh_free(mesh);
+}
+
 /* A grid flattened by its matrix: centroids are in the wrong order somewhere, what is found
  * automatically nowhere. */
 static void violations_are_those_of_the_order_asked_for(void)
@@ -444,6 +475,7 @@ int main(void)
   fine_tables_give_the_same_picture();
   violations_are_those_of_the_order_asked_for();
   what_was_described_is_still_to_be_drawn();
+  a_plan_knows_when_its_picture_stands();
   a_ramp_is_lit_as_one();
   kept_fragments_give_the_same_picture();
   a_reduced_picture_is_the_picture_enlarged();
