@@ -209,7 +209,7 @@ static void check_stats(const chi_tet* tet, int reuses)
 
 static void check_plan(fuzz* f, chi_tet* tet, const chi_exec* exec, const fuzz_scene* s)
 {
-  chi_tet_plan p;
+  chi_tet_plan p = { .struct_size = sizeof p };
   fuzz_before(f);
   const chi_status status = chi_tet_describe(exec, tet, &s->frame, &p);
   FUZZ_CHECK(keeps_account(f, &s->camera, status));
