@@ -3,6 +3,8 @@
 #ifndef vtkChiGridInput_h
 #define vtkChiGridInput_h
 
+#include "vtkChiFiltersModule.h" // for export macro
+
 #include <chiaroscuro/chi_grid.h>
 
 #include "vtkDataArray.h"
@@ -24,7 +26,8 @@ class vtkStructuredGrid;
 // Lends the mesh of any vtkDataSet to the C core. Nothing is copied but arrays that the core cannot
 // read; arrays and copies are held until the mesh changes, so that what the core keeps of a version
 // stays valid.
-class vtkChiGridInput
+// Exported to the other modules of the package; its header is not installed.
+class VTKCHIFILTERS_EXPORT vtkChiGridInput
 {
 public:
   // Returns whether there is a mesh of cells with volume, or might be one; else why not is
