@@ -98,6 +98,7 @@ struct chi_tet
   view_key view;
   bin_key bin;
   draw_key drawn;
+  chi_tet_tally tally; /* of the picture */
   /* of chi_tet_describe */
   uint64_t versions[4]; /* of the points, the sequence, the vertices, the values */
   described_key described;
@@ -506,6 +507,14 @@ static chi_status bin(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* f
   return CHI_OK;
 }
 
+static void report(chi_tet_stats* stats, const chi_tet_tally* tally)
+{
+  stats->drawn = tally->tetrahedra;
+  stats->fragments = tally->fragments;
+  stats->delicate = tally->delicate;
+  stats->skipped[5] = tally->saturated;
+}
+
 enum
 {
   STAGES = 4 /* split, values, view, bins */
@@ -531,7 +540,7 @@ static chi_status prepare(const chi_exec* exec, chi_tet* tet, const chi_tet_fram
     tet->mesh.extra_cells.bytes + tet->values.scalars.bytes + tet->values.opacities.bytes +
     tet->values.visible.bytes + s->order.bytes;
   s->bytes_frame = tet->eye.points.bytes + tet->eye.screen.bytes + tet->eye.codes.bytes +
-    tet->bins.keys.bytes + tet->bins.ranges.bytes + tet->bins.counts.bytes +
+    tet->bins.keys.bytes + tet->bins.in_tile.bytes + tet->bins.counts.bytes +
     tet->bins.starts.bytes + tet->bins.list.bytes + tet->bins.scratch.bytes;
   return status;
 }
@@ -671,7 +680,7 @@ chi_status chi_tet_describe(
   tet->frame_version += !tet->stats.reused;
   tet->described = key;
   *plan = make_plan(tet, f, &own.camera);
-  tet->stats.drawn = (int64_t)tet->sequence_count;
+  report(&tet->stats, &(chi_tet_tally){ .tetrahedra = (int64_t)tet->sequence_count });
   tet->stats.seconds_draw = 0;
   tet->stats.seconds_total = now() - start;
   return CHI_OK;
@@ -771,14 +780,10 @@ static chi_status draw(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* 
     .rgba = rgba,
     .cache = cache,
     .cache_use = use };
-  chi_tet_tally tally;
-  const chi_status status = chi_tet_draw(exec, &tet->bins, &scene, &pass, &tally);
+  const chi_status status = chi_tet_draw(exec, &tet->bins, &scene, &pass, &tet->tally);
   cache->is_counted = status == CHI_OK && (use == CHI_TET_CACHE_COUNT || cache->is_counted);
   cache->is_full = status == CHI_OK && (use == CHI_TET_CACHE_WRITE || cache->is_full);
-  s->drawn = tally.tetrahedra;
-  s->fragments = tally.fragments;
-  s->delicate = tally.delicate;
-  s->skipped[5] = tally.saturated;
+  report(s, &tet->tally);
   s->seconds_draw = now() - begin;
   return status;
 }
@@ -808,6 +813,7 @@ chi_status chi_tet_render(const chi_exec* exec, chi_tet* tet, const chi_tet_fram
   {
     ++s->skipped[7];
     s->reused = 1;
+    report(s, &tet->tally);
     s->seconds_draw = 0;
     s->seconds_total = now() - start;
     return CHI_OK;

@@ -19,7 +19,8 @@ typedef struct bin_job
   chi_tet_window window;
   int32_t width, height, bits;
   int outside;
-  size_t chunk, tiles;
+  size_t chunk, tiles; /* tetrahedra, whole words of bits */
+  size_t first_tile;   /* of those that are sorted at a time */
   int64_t (*tally)[4]; /* [chunks] outside, uncovered, clipped, hidden */
 } bin_job;
 
@@ -58,16 +59,19 @@ static void find_ranges(void* data, size_t begin, size_t end)
 {
   const bin_job* const it = (const bin_job*)data;
   const uint32_t* const visible = (const uint32_t*)it->values->visible.data;
-  uint32_t* const ranges = (uint32_t*)it->bins->ranges.data;
+  uint32_t* const ranges = (uint32_t*)it->bins->scratch.data;
+  uint32_t* const in_tile = (uint32_t*)it->bins->in_tile.data;
   const size_t n = it->mesh->counts.tetrahedra;
   for (size_t chunk = begin; chunk < end; ++chunk)
   {
     uint32_t* const count = (uint32_t*)it->bins->counts.data + chunk * it->tiles;
     int64_t tally[4] = { 0 };
     memset(count, 0, it->tiles * sizeof *count);
-    const size_t first = chunk * it->chunk, past = first + it->chunk;
-    chi_tet_get_kernels()->ranges(&it->window, first < n ? first : n, past < n ? past : n, ranges);
-    for (size_t t = chunk * it->chunk; t < n && t < (chunk + 1) * it->chunk; ++t)
+    const size_t first = chunk * it->chunk < n ? chunk * it->chunk : n;
+    const size_t past = n - first > it->chunk ? first + it->chunk : n;
+    memset(in_tile + first / 32, 0, (past - first + 31) / 32 * sizeof *in_tile);
+    chi_tet_get_kernels()->ranges(&it->window, first, past, ranges);
+    for (size_t t = first; t < past; ++t)
     {
       const uint32_t r = ranges[t];
       if (!(visible[t / 32] >> t % 32 & 1))
@@ -93,6 +97,7 @@ static void find_ranges(void* data, size_t begin, size_t end)
         ranges[t] = CHI_TET_OUTSIDE;
         continue;
       }
+      in_tile[t / 32] |= (uint32_t)1 << t % 32;
       if ((r & 0xffff) == r >> 16) /* most lie in one tile */
       {
         ++count[(r >> 24) * (uint32_t)it->bins->tiles[0] + (r & 255)];
@@ -113,7 +118,7 @@ static void find_ranges(void* data, size_t begin, size_t end)
 static void scatter(void* data, size_t begin, size_t end)
 {
   const bin_job* const it = (const bin_job*)data;
-  const uint32_t* const ranges = (const uint32_t*)it->bins->ranges.data;
+  const uint32_t* const ranges = (const uint32_t*)it->bins->scratch.data;
   const uint32_t* const keys = (const uint32_t*)it->bins->keys.data;
   uint64_t* const list = (uint64_t*)it->bins->list.data;
   const size_t* const starts = (const size_t*)it->bins->starts.data;
@@ -229,14 +234,44 @@ static void sort(uint64_t* list, uint64_t* other, size_t n, int32_t bits)
 static void sort_tiles(void* data, size_t begin, size_t end)
 {
   const bin_job* const it = (const bin_job*)data;
-  const size_t* const starts = (const size_t*)it->bins->starts.data;
+  const size_t* const starts = (const size_t*)it->bins->starts.data + it->first_tile;
   for (size_t tile = begin; tile < end; ++tile)
   {
     const size_t n = starts[tile + 1] - starts[tile];
     uint64_t* const list = (uint64_t*)it->bins->list.data + starts[tile];
-    uint64_t* const other = (uint64_t*)it->bins->scratch.data + starts[tile];
+    uint64_t* const other = (uint64_t*)it->bins->scratch.data + (starts[tile] - starts[0]);
     sort(list, other, n, it->bits);
   }
+}
+
+/* Some tiles at a time, so that the scratch of sorts is where ranges of tiles have been, half as
+ * long as the lists or less; a fifth of these at least, so that no host waits often. */
+static chi_status sort_lists(const chi_exec* exec, bin_job* job)
+{
+  chi_tet_bins* const bins = job->bins;
+  const size_t* const starts = (const size_t*)bins->starts.data;
+  size_t room = (bins->entries + 4) / 5;
+  for (size_t tile = 0; tile < job->tiles; ++tile)
+  {
+    const size_t n = starts[tile + 1] - starts[tile];
+    room = n > room ? n : room;
+  }
+  if (!chi_buffer_reserve(exec, &bins->scratch, room, sizeof(uint64_t)))
+  {
+    return CHI_ERROR_OUT_OF_MEMORY;
+  }
+  room = bins->scratch.bytes / sizeof(uint64_t);
+  chi_status status = CHI_OK;
+  for (size_t past = 0; past < job->tiles && status == CHI_OK;)
+  {
+    job->first_tile = past;
+    while (past < job->tiles && starts[past + 1] - starts[job->first_tile] <= room)
+    {
+      ++past;
+    }
+    status = chi_for(exec, past - job->first_tile, sort_tiles, job);
+  }
+  return status;
 }
 
 static void find_depths(const bin_job* it)
@@ -283,10 +318,11 @@ chi_status chi_tet_bins_build(const chi_exec* exec, chi_tet_bins* bins, const ch
     .width = width,
     .height = height,
     .bits = bits,
-    .chunk = (n + CHI_TET_CHUNKS - 1) / CHI_TET_CHUNKS,
+    .chunk = (n / 32 + CHI_TET_CHUNKS) / CHI_TET_CHUNKS * 32,
     .tiles = tiles,
     .tally = tally };
-  if (!chi_buffer_reserve(exec, &bins->ranges, n, sizeof(uint32_t)) ||
+  if (!chi_buffer_reserve(exec, &bins->scratch, n, sizeof(uint32_t)) ||
+    !chi_buffer_reserve(exec, &bins->in_tile, n / 32 + 1, sizeof(uint32_t)) ||
     !chi_buffer_reserve(exec, &bins->counts, CHI_TET_CHUNKS * tiles, sizeof(uint32_t)) ||
     !chi_buffer_reserve(exec, &bins->depths, tiles, sizeof(float)) ||
     !chi_buffer_reserve(exec, &bins->starts, tiles + 1, sizeof(size_t)))
@@ -326,20 +362,19 @@ chi_status chi_tet_bins_build(const chi_exec* exec, chi_tet_bins* bins, const ch
     sum += in_tile;
   }
   starts[tiles] = bins->entries = sum;
-  if (!chi_buffer_reserve(exec, &bins->list, sum + 1, sizeof(uint64_t)) ||
-    !chi_buffer_reserve(exec, &bins->scratch, sum + 1, sizeof(uint64_t)))
+  if (!chi_buffer_reserve(exec, &bins->list, sum + 1, sizeof(uint64_t)))
   {
     return CHI_ERROR_OUT_OF_MEMORY;
   }
   status = chi_for(exec, CHI_TET_CHUNKS, scatter, &job);
-  return status == CHI_OK ? chi_for(exec, tiles, sort_tiles, &job) : status;
+  return status == CHI_OK ? sort_lists(exec, &job) : status;
 }
 
 chi_status chi_tet_sequence(const chi_exec* exec, chi_tet_bins* bins, const chi_tet_mesh* mesh,
   int32_t bits, chi_buffer* sequence, size_t* count)
 {
   const size_t n = mesh->counts.tetrahedra;
-  const uint32_t* const ranges = (const uint32_t*)bins->ranges.data;
+  const uint32_t* const in_tile = (const uint32_t*)bins->in_tile.data;
   const uint32_t* const keys = (const uint32_t*)bins->keys.data;
   if (!chi_buffer_reserve(exec, &bins->whole, 2 * (n + 1), sizeof(uint64_t)) ||
     !chi_buffer_reserve(exec, sequence, n + 1, sizeof(uint32_t)))
@@ -350,7 +385,7 @@ chi_status chi_tet_sequence(const chi_exec* exec, chi_tet_bins* bins, const chi_
   size_t drawn = 0;
   for (size_t t = 0; t < n; ++t)
   {
-    if (ranges[t] != CHI_TET_OUTSIDE && ranges[t] != CHI_TET_UNCOVERED)
+    if (in_tile[t / 32] >> t % 32 & 1)
     {
       list[drawn++] = (uint64_t)keys[t] << 32 | t;
     }
@@ -367,7 +402,7 @@ chi_status chi_tet_sequence(const chi_exec* exec, chi_tet_bins* bins, const chi_
 void chi_tet_bins_free(const chi_exec* exec, chi_tet_bins* bins)
 {
   chi_buffer_free(exec, &bins->keys);
-  chi_buffer_free(exec, &bins->ranges);
+  chi_buffer_free(exec, &bins->in_tile);
   chi_buffer_free(exec, &bins->counts);
   chi_buffer_free(exec, &bins->starts);
   chi_buffer_free(exec, &bins->list);

@@ -75,11 +75,11 @@ void chi_tet_eye_free(const chi_exec* exec, chi_tet_eye* eye);
 typedef struct chi_tet_bins
 {
   chi_buffer keys;    /* uint32 [tetrahedra] */
-  chi_buffer ranges;  /* uint32 [tetrahedra] first and last tile, x and y, a byte each */
+  chi_buffer in_tile; /* uint32, one bit a tetrahedron: it is in a tile */
   chi_buffer counts;  /* uint32 [chunks][tiles] */
   chi_buffer starts;  /* size_t [tiles + 1] */
   chi_buffer list;    /* uint64: key, tetrahedron */
-  chi_buffer scratch; /* as much again */
+  chi_buffer scratch; /* first and last tile of each tetrahedron; once lists are made, of sorts */
   chi_buffer depths;  /* float [tiles] farthest surface */
   chi_buffer order;   /* uint32 [tiles] those with most to draw first */
   chi_buffer tallies; /* chi_tet_tally [tiles] */

@@ -13,7 +13,7 @@ typedef struct shade_job
   const chi_tet_mesh* mesh;
   const chi_tet_values* values;
   const chi_tet_point* points;
-  const uint32_t* ranges;
+  const uint32_t* in_tile;
   const chi_shading_view* shading;
   int parallel;
   size_t chunk;
@@ -183,7 +183,7 @@ static void shade_chunk(void* data, size_t begin, size_t end)
   {
     for (size_t t = chunk * it->chunk; t < count && t < (chunk + 1) * it->chunk; ++t)
     {
-      if (it->ranges[t] != CHI_TET_OUTSIDE && it->ranges[t] != CHI_TET_UNCOVERED)
+      if (it->in_tile[t / 32] >> t % 32 & 1)
       {
         shade(it, t);
       }
@@ -201,7 +201,7 @@ chi_status chi_tet_shade(const chi_exec* exec, chi_buffer* shades, const chi_tet
     return CHI_ERROR_OUT_OF_MEMORY;
   }
   shade_job job = { mesh, values, (const chi_tet_point*)eye->points.data,
-    (const uint32_t*)bins->ranges.data, frame->shading, frame->camera->parallel != 0,
+    (const uint32_t*)bins->in_tile.data, frame->shading, frame->camera->parallel != 0,
     (count + CHI_TET_CHUNKS - 1) / CHI_TET_CHUNKS, (float(*)[6])shades->data };
   return chi_for(exec, CHI_TET_CHUNKS, shade_chunk, &job);
 }

@@ -321,6 +321,15 @@ static void what_was_described_is_still_to_be_drawn(void)
   chi_tet_get_image(fresh, &expected);
   CHECK(stats.reused == 0);
   CHECK(memcmp(image.rgba, expected.rgba, 32 * 32 * 4 * sizeof(float)) == 0);
+  /* and what is told of the picture is not what was told of a plan */
+  const int64_t drawn = stats.drawn, fragments = stats.fragments;
+  CHECK(chi_tet_describe(NULL, tet, &s.frame, &plan) == CHI_OK);
+  chi_tet_get_stats(tet, &stats);
+  CHECK(stats.fragments == 0 && stats.drawn == (int64_t)plan.sequence_count);
+  CHECK(chi_tet_render(NULL, tet, &s.frame) == CHI_OK);
+  chi_tet_get_stats(tet, &stats);
+  CHECK(stats.reused == 1 && stats.drawn == drawn && stats.fragments == fragments);
+  CHECK(drawn > 0 && fragments > 0);
   chi_tet_destroy(NULL, tet);
   chi_tet_destroy(NULL, fresh);
   tet_mesh_free(mesh);
