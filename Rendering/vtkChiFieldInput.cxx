@@ -35,11 +35,14 @@ bool vtkChiFieldInput::Collect(vtkAbstractVolumeMapper* mapper, vtkDataSet* inpu
   // no more than there are points, or cells
   const vtkIdType count =
     this->Field.is_cell_data ? input->GetNumberOfCells() : input->GetNumberOfPoints();
+  const bool newColors = this->ColorArray && this->Lend(this->ColorArray, time, this->Colors);
   this->Samples.View.count = static_cast<std::size_t>(count);
   this->Opacities.View.count = static_cast<std::size_t>(count);
-  const std::array<std::uint64_t, 3> key = { static_cast<std::uint64_t>(this->Field.component),
-    static_cast<std::uint64_t>(this->Field.is_cell_data), vtkChiBits(this->OpacityArray) };
-  if (newScalars || newOpacities || key != this->FieldKey)
+  this->Colors.View.count = static_cast<std::size_t>(count);
+  const std::array<std::uint64_t, 4> key = { static_cast<std::uint64_t>(this->Field.component),
+    static_cast<std::uint64_t>(this->Field.is_cell_data), vtkChiBits(this->OpacityArray),
+    vtkChiBits(this->ColorArray) };
+  if (newScalars || newOpacities || newColors || key != this->FieldKey)
   {
     this->FieldKey = key;
     ++this->Field.version;
@@ -47,6 +50,7 @@ bool vtkChiFieldInput::Collect(vtkAbstractVolumeMapper* mapper, vtkDataSet* inpu
   this->Field.scalars = &this->Samples.View;
   this->Field.opacity = this->OpacityArray ? &this->Opacities.View : nullptr;
   this->Field.opacity_component = 0;
+  this->Field.colors = this->ColorArray ? &this->Colors.View : nullptr;
   this->CombineFunctions();
   this->AddLimits(property);
   return true;
@@ -137,11 +141,14 @@ bool vtkChiFieldInput::FindOpacity(vtkDataSet* input, const std::string& name)
 
 //------------------------------------------------------------------------------
 // As vtkProjectedTetrahedraMapper: of independent components the first; of two dependent ones the
-// first for colour and the second for opacity.
+// first for colour and the second for opacity; of four three are the colour: bytes over 255, other
+// types as they are. The fourth is what opacity is read at, as vtkVolumeProperty says (that mapper
+// takes it for the opacity itself), if no array of its own is.
 void vtkChiFieldInput::ChooseComponents(vtkVolumeProperty* property, int vectorComponent)
 {
   const int there = this->Scalars->GetNumberOfComponents();
   this->Field.component = 0;
+  this->ColorArray = nullptr;
   if (there > 1 && !property->GetIndependentComponents())
   {
     if (there == 2 && !this->OpacityArray)
@@ -149,10 +156,23 @@ void vtkChiFieldInput::ChooseComponents(vtkVolumeProperty* property, int vectorC
       this->OpacityArray = this->Scalars;
       this->OpacityComponent = 1;
     }
+    else if (there == 4)
+    {
+      this->ColorArray = this->Scalars;
+      this->Field.color_component = 0;
+      this->Field.color_range[1] = this->Scalars->GetDataType() == VTK_UNSIGNED_CHAR ? 255.0 : 1.0;
+      this->Field.component = 3;
+      if (this->OpacityArray) // all that is left for scalars to say
+      {
+        this->Scalars = this->OpacityArray;
+        this->Field.component = this->OpacityComponent;
+        this->OpacityArray = nullptr;
+      }
+    }
     else if (there != 2)
     {
-      this->Limits.push_back("other than two dependent components (vtkVolumeProperty) are not "
-                             "supported yet: only the first is drawn of " +
+      this->Limits.push_back("dependent components (vtkVolumeProperty) are drawn of two or of "
+                             "four: only the first is drawn of " +
         vtkChiDescribe(this->Scalars));
     }
   }

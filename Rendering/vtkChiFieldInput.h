@@ -63,18 +63,20 @@ private:
   std::string Problem;
   std::vector<std::string> Limits;
 
-  vtkDataArray* Scalars = nullptr; // of this call, as found; likewise the next two
+  vtkDataArray* Scalars = nullptr; // of this call, as found; likewise the next three
+  vtkDataArray* ColorArray = nullptr; // of direct colours
   vtkDataArray* OpacityArray = nullptr;
   int OpacityComponent = 0;
 
   Lent Samples;
   Lent Opacities;
+  Lent Colors;
   vtkChiTransferInput
     ColorFunction; // and the opacity function, where it is read at the scalars too
   vtkChiTransferInput OpacityFunction;
   std::size_t Entries = 2; // that both tables have
   std::array<std::uint64_t, 9> OpacityKey = {};
-  std::array<std::uint64_t, 3> FieldKey = {};
+  std::array<std::uint64_t, 4> FieldKey = {};
   std::array<std::uint64_t, 2> TransferKey = {};
 };
 

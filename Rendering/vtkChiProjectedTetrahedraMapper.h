@@ -24,7 +24,12 @@
  * (constant), chosen by SetScalarMode and SelectScalarArray. Of several independent components the
  * first is drawn, or what SetVectorMode says; of two dependent ones
  * (vtkVolumeProperty::IndependentComponents off) the first has the colour, the second the opacity,
- * as vtkProjectedTetrahedraMapper has it; SetOpacityArrayName gives opacity an array of its own.
+ * as vtkProjectedTetrahedraMapper has it; of four the first three are the colour, 0 to 255 in
+ * unsigned char and 0 to 1 in every other type, as there (beyond, they are cut), linear inside each
+ * tetrahedron, and the fourth goes through the scalar opacity, as vtkVolumeProperty and the mappers
+ * of images have it; vtkProjectedTetrahedraMapper takes it for the opacity itself, which an opacity
+ * function from (0, 0) to (255, 1), or (1, 1), does here. SetOpacityArrayName gives opacity an array
+ * of its own, in place of a second or fourth component.
  *
  * <b>Of the vtkVolumeProperty</b> the colour function (RGB or gray), the scalar opacity and its
  * unit distance are read, those of the first component. Opacity means what it means to

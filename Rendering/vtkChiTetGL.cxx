@@ -79,8 +79,13 @@ void setPair(vtkShaderProgram* program, const char* name, double x, double y)
 }
 
 //------------------------------------------------------------------------------
-std::string vtkChiTetGL::WhyNot(vtkOpenGLRenderWindow* window, const chi_tet_frame&)
+std::string vtkChiTetGL::WhyNot(vtkOpenGLRenderWindow* window, const chi_tet_frame& frame)
 {
+  if (frame.field->colors)
+  {
+    return "the OpenGL engine looks colours up, and does not draw given ones (four dependent "
+           "components)";
+  }
   int version[2] = { 0, 0 };
   window->GetOpenGLVersion(version[0], version[1]);
   return version[0] * 10 + version[1] < 32 ? "the OpenGL engine needs OpenGL 3.2" : "";

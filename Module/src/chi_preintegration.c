@@ -100,11 +100,13 @@ static double extinction(double opacity, const sources* s)
 
 static int is_valid(const sources* s)
 {
+  static const float black[3] = { 0, 0, 0 };
   const chi_transfer_view* const t = &s->transfer;
   const chi_preintegration_params* const p = &s->params;
-  if (!t->rgb || !t->opacity || t->plane || t->table_count > 1 || t->count < 2 ||
-    t->count > 65536 || !(t->range[0] < t->range[1]) || !isfinite(t->range[1] - t->range[0]) ||
-    !(t->unit_distance > 0) || !isfinite(t->unit_distance) || p->method < CHI_PREINTEGRATION_AUTO ||
+  if ((!t->rgb && !p->direct_color) || !t->opacity || t->plane || t->table_count > 1 ||
+    t->count < 2 || t->count > 65536 || !(t->range[0] < t->range[1]) ||
+    !isfinite(t->range[1] - t->range[0]) || !(t->unit_distance > 0) ||
+    !isfinite(t->unit_distance) || p->method < CHI_PREINTEGRATION_AUTO ||
     p->method > CHI_PREINTEGRATION_FULL || p->opacity_convention < CHI_OPACITY_LINEAR ||
     p->opacity_convention > CHI_OPACITY_IMAGE || !(p->longest_segment >= 0) ||
     p->full_scalars < 4 || p->full_scalars > 512 || p->full_depths < 4 || p->full_depths > 64 ||
@@ -115,7 +117,7 @@ static int is_valid(const sources* s)
   }
   for (size_t i = 0; i < t->count; ++i)
   {
-    const float* const c = t->rgb + 3 * i;
+    const float* const c = p->direct_color ? black : t->rgb + 3 * i;
     if (!isfinite(c[0]) || !isfinite(c[1]) || !isfinite(c[2]) || !isfinite(t->opacity[i]) ||
       extinction((double)t->opacity[i], s) > most_extinction)
     {
@@ -151,7 +153,11 @@ static void fill_entries(chi_preintegration* p, const sources* s)
     const size_t from = i < n ? i : n - 1;
     for (int c = 0; c < 3; ++c)
     {
-      color[i][c] = fminf(fmaxf(s->transfer.rgb[3 * from + (size_t)c], 0), 1);
+      /* of direct colours: the entry's own place */
+      color[i][c] = !s->params.direct_color
+        ? fminf(fmaxf(s->transfer.rgb[3 * from + (size_t)c], 0), 1)
+        : c == 0 ? (float)from / (float)(n - 1)
+                 : 0;
     }
     color[i][3] = depth[i][0] = (float)extinction((double)s->transfer.opacity[from], s);
     sum += i > 0 && i < n ? 0.5 * ((double)color[i - 1][3] + (double)color[i][3]) : 0;
@@ -203,8 +209,8 @@ static void sum_to(const chi_segment_tables* t, double (*const sums)[4], double 
 
 /* What a segment from place a to b adds to a pixel, without attenuation, less what partial
  * pre-integration takes for it; the largest of its colours and optical depth. */
-static double linear_error(
-  const chi_segment_tables* t, double (*const sums)[4], double a, double b, double length)
+static double linear_error(const chi_segment_tables* t, double (*const sums)[4], int direct,
+  double a, double b, double length)
 {
   double front[4], back[4], before[4], sum[4], linear[4] = { 0 }, error = 0;
   chi_classify_at(t->color, t->count, a, front);
@@ -214,10 +220,18 @@ static double linear_error(
   sum_to(t, sums, b, sum);
   for (int c = 0; c < 4; ++c)
   {
-    error = fmax(error, fabs(sum[c] - before[c] - linear[c]));
+    sum[c] -= before[c];
+    error = fmax(error, fabs(sum[c] - linear[c]));
+  }
+  if (direct) /* red is the place in the table: in the segment, it is a colour that goes from 0 to 1
+               */
+  {
+    const double end = t->count - 1;
+    const double off = end * (sum[0] - linear[0]) - a * (sum[3] - linear[3]);
+    error = fmax(error, fabs(off) / (b - a));
   }
   /* Of what is thick, only so much is seen. */
-  const double thick = 1 + fmin(sum[3] - before[3], linear[3]) * length / (b - a);
+  const double thick = 1 + fmin(sum[3], linear[3]) * length / (b - a);
   return error * length / (b - a) / thick;
 }
 
@@ -226,6 +240,7 @@ static double linear_error(
  * what bends up and down again may cancel. */
 static int is_linear(const chi_segment_tables* t, double (*const sums)[4], const sources* s)
 {
+  const int direct = s->params.direct_color;
   const double end = t->count - 1, most = 0.5 / 255;
   const double range =
     s->params.segment_range > 0 ? s->params.segment_range / (t->range[1] - t->range[0]) * end : end;
@@ -243,10 +258,10 @@ static int is_linear(const chi_segment_tables* t, double (*const sums)[4], const
     for (int i = 0; i < t->count; ++i)
     {
       const double up = fmin(i + way, end), down = fmax(i - way, 0);
-      if ((up > i && linear_error(t, sums, i, up, length * share) > most) ||
-        (down < i && linear_error(t, sums, down, i, length * share) > most) ||
+      if ((up > i && linear_error(t, sums, direct, i, up, length * share) > most) ||
+        (down < i && linear_error(t, sums, direct, down, i, length * share) > most) ||
         (up > down &&
-          linear_error(t, sums, 0.5 * (down + i), 0.5 * (up + i), length * share) > most))
+          linear_error(t, sums, direct, 0.5 * (down + i), 0.5 * (up + i), length * share) > most))
       {
         return 0;
       }
@@ -287,7 +302,13 @@ static chi_status fill_full(
     p->full_room = size;
   }
   t->full = (const float(*)[4])p->full;
-  return chi_fill_full(exec, t->color, p->entries + n + 1, n, t->full_size, p->full);
+  const chi_status status =
+    chi_fill_full(exec, t->color, p->entries + n + 1, n, t->full_size, p->full);
+  if (status == CHI_OK && s->params.direct_color)
+  {
+    chi_center_full(t->depth, n, t->full_size, p->full);
+  }
+  return status;
 }
 
 chi_status chi_preintegration_update(const chi_exec* exec, chi_preintegration* p,
@@ -303,10 +324,12 @@ chi_status chi_preintegration_update(const chi_exec* exec, chi_preintegration* p
   }
   now.params.full_scalars = now.params.full_scalars ? now.params.full_scalars : FULL_SCALARS;
   now.params.full_depths = now.params.full_depths ? now.params.full_depths : FULL_DEPTHS;
+  now.params.direct_color = now.params.direct_color != 0;
   if (!is_valid(&now))
   {
     return CHI_ERROR_INVALID_ARGUMENT;
   }
+  now.transfer.rgb = now.params.direct_color ? NULL : now.transfer.rgb;
   if (p->tables.count && is_same(&now, &p->sources))
   {
     return CHI_OK;

@@ -21,7 +21,7 @@
 enum
 {
   OCTAVE = 2,       /* rungs of the ladder in an octave of kappa */
-  MOST_RUNGS = 112, /* as many as `dim` and `thick` below ask for, up to MOST_DEPTHS */
+  MOST_RUNGS = 112, /* as many as `dim` and CHI_FULL_THICK ask for, up to MOST_DEPTHS */
   MOST_DEPTHS = 64,
   PANELS = 16, /* of a cell of more entries than that */
   TERMS = 5    /* of a cell and rung: red, green, blue, opacity, transmittance */
@@ -29,8 +29,6 @@ enum
 
 static const double dim = 1e-10;     /* a cell with less of the table's whole extinction has none */
 static const double thin = 1.0 / 64; /* optical depth of the whole table at the first rung */
-static const double thick = 8; /* the last entry of the third axis, whose gamma is 1, stands for
-                                  so many times the optical depth of the one before */
 
 typedef struct build
 {
@@ -411,7 +409,7 @@ static void find_rungs(build* b)
     b->above[j] = i > 0 ? b->cell[j][3] > 0 ? j : b->above[j + 1] : -1;
   }
   b->first = all > 0 ? thin / all : 1;
-  const double last = thick * (b->depths - 2) / least;
+  const double last = (double)CHI_FULL_THICK * (b->depths - 2) / least;
   b->rungs = all > 0 ? (int)ceil(OCTAVE * log2(last / b->first)) + 4 : 4;
   b->rungs = b->rungs < MOST_RUNGS ? b->rungs : MOST_RUNGS;
 }
@@ -438,7 +436,7 @@ chi_status chi_fill_full(const chi_exec* exec, const float (*color)[4], float (*
   for (int k = 1; k < b.depths; ++k) /* tau = gamma / (1 - gamma) */
   {
     const int end = b.depths - 1;
-    b.axis[k] = OCTAVE * log2(k < end ? (double)k / (end - k) : thick * (end - 1));
+    b.axis[k] = OCTAVE * log2(k < end ? (double)k / (end - k) : CHI_FULL_THICK * (end - 1));
   }
   b.place = (double*)chi_alloc(exec, nodes, sizeof *b.place);
   b.cell = (double(*)[4])chi_alloc(exec, nodes - 1, sizeof *b.cell);

@@ -19,6 +19,17 @@ double chi_psi(double front, double back);
 chi_status chi_fill_full(const chi_exec* exec, const float (*color)[4], float (*depth)[4],
   size_t count, const int32_t size[3], float (*full)[4]);
 
+enum
+{
+  CHI_FULL_THICK = 8 /* the last entry of the third axis, whose gamma is 1, stands for so many times
+                        the optical depth of the one before */
+};
+
+/* The same table, whose red is the mean scalar of what is seen (a colour that rises from 0 to 1
+ * over the 1-D tables), with red the mean place of what is seen, from front (0) to back (1). */
+void chi_center_full(
+  const float (*depth)[4], size_t count, const int32_t size[3], float (*full)[4]);
+
 /* Colour and extinction at a place of the 1-D tables. */
 static inline void chi_classify_at(const float (*color)[4], int count, double x, double rgba[4])
 {

@@ -22,10 +22,11 @@ typedef struct grid_key
 
 typedef struct field_key
 {
-  const void* arrays[2];
+  const void* arrays[3];
   uint64_t version;
-  int64_t integers[3];
-  size_t shapes[2][4];
+  int64_t integers[4];
+  size_t shapes[3][4];
+  double color_range[2];
 } field_key;
 
 typedef struct choice_key
@@ -207,7 +208,13 @@ static int field_is_valid(const chi_tet_field* f)
   return one &&
     (!f->opacity ||
       (chi_array_is_valid(f->opacity) && f->opacity_component >= -1 &&
-        f->opacity_component < (int64_t)f->opacity->components));
+        f->opacity_component < (int64_t)f->opacity->components && !f->colors)) &&
+    (!f->colors ||
+      (chi_array_is_valid(f->colors) && f->color_component >= 0 &&
+        f->color_component + (int64_t)3 <= (int64_t)f->colors->components &&
+        all_finite(f->color_range, 2) &&
+        (f->color_range[0] != f->color_range[1] ||
+          (f->color_range[0] == 0 && f->color_range[1] == 0))));
 }
 
 static int params_are_valid(const chi_tet_params* p)
@@ -286,9 +293,15 @@ static field_key key_of_field(const chi_tet_field* f)
   k.integers[0] = f->is_cell_data != 0;
   k.integers[1] = f->component;
   k.integers[2] = f->opacity_component;
-  const chi_array_view* const arrays[2] = { f->scalars, f->opacity };
-  for (int i = 0; i < 2 && arrays[i]; ++i)
+  k.integers[3] = f->color_component;
+  memcpy(k.color_range, f->color_range, sizeof k.color_range);
+  const chi_array_view* const arrays[3] = { f->scalars, f->opacity, f->colors };
+  for (int i = 0; i < 3; ++i)
   {
+    if (!arrays[i])
+    {
+      continue;
+    }
     k.arrays[i] = arrays[i]->data;
     const size_t shape[4] = { arrays[i]->count, arrays[i]->components, arrays[i]->stride,
       (size_t)arrays[i]->type };
@@ -397,6 +410,7 @@ static chi_status classify(const chi_exec* exec, chi_tet* tet, const chi_tet_fra
   chi_preintegration_default_params(&params);
   params.method = f->params->pre_integration;
   params.opacity_convention = f->params->opacity_convention;
+  params.direct_color = tet->values.direct;
   params.longest_segment = tet->values.longest_edge * stretch;
   /* cells of one value each have segments as short as one likes */
   params.segment_range =
@@ -538,7 +552,7 @@ static chi_status prepare(const chi_exec* exec, chi_tet* tet, const chi_tet_fram
   s->tetrahedra = (int64_t)tet->mesh.counts.tetrahedra;
   s->bytes_mesh = tet->mesh.vertices.bytes + tet->mesh.cells.bytes + tet->mesh.points.bytes +
     tet->mesh.extra_cells.bytes + tet->values.scalars.bytes + tet->values.opacities.bytes +
-    tet->values.visible.bytes + s->order.bytes;
+    tet->values.colors.bytes + tet->values.visible.bytes + s->order.bytes;
   s->bytes_frame = tet->eye.points.bytes + tet->eye.screen.bytes + tet->eye.codes.bytes +
     tet->bins.keys.bytes + tet->bins.in_tile.bytes + tet->bins.counts.bytes +
     tet->bins.starts.bytes + tet->bins.list.bytes + tet->bins.scratch.bytes;
@@ -622,6 +636,7 @@ static chi_tet_plan make_plan(const chi_tet* tet, const chi_tet_frame* f, const 
     .maximum_path = tet->stats.unit_distance,
     .opacity_convention = f->params->opacity_convention,
     .parallel = f->camera->parallel != 0,
+    .colors = v->direct ? (const float*)v->colors.data : NULL,
     .tables = tet->tables,
     .points_version = tet->versions[0],
     .scalars_version = tet->versions[3],
@@ -714,7 +729,8 @@ static chi_tet_scene make_scene(const chi_tet* tet, const chi_tet_frame* f)
     .color_limit = f->shading && f->shading->unclamped ? INFINITY : 1,
     .maximum = f->params->blend == CHI_TET_BLEND_MAXIMUM,
     .maximum_of_unit = (float)fmin(tet->stats.unit_distance, (double)FLT_MAX),
-    .image_opacity = f->params->opacity_convention == CHI_OPACITY_IMAGE };
+    .image_opacity = f->params->opacity_convention == CHI_OPACITY_IMAGE,
+    .colors = v->direct ? (const float(*)[3])v->colors.data : NULL };
   memcpy(s.first, tet->eye.first, sizeof s.first);
   memcpy(s.step, tet->eye.step, sizeof s.step);
   return s;
@@ -734,7 +750,7 @@ static int use_cache(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* f)
   key.surface = f->surface ? f->surface->version : 0;
   memcpy(key.range, tet->tables.range, sizeof key.range);
   key.count = (size_t)tet->tables.count;
-  if (!f->params->fragment_cache_bytes || tet->values.separate ||
+  if (!f->params->fragment_cache_bytes || tet->values.separate || tet->values.direct ||
     f->params->blend != CHI_TET_BLEND_COMPOSITE || f->shading ||
     !(f->params->skip & CHI_TET_SKIP_UNCHANGED))
   {

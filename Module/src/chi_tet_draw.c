@@ -39,8 +39,9 @@ static void finish_pixel(const chi_tet_scene* s, const float in[4], float out[4]
     for (int q = 0; q < 2; ++q)
     {
       const int last = s->tables->count - 2;
-      const int i = (int)in[q] < last ? (int)in[q] : last;
-      const float f = in[q] - (float)i;
+      const float place = in[s->colors ? 0 : q]; /* of direct colours one scalar has all */
+      const int i = (int)place < last ? (int)place : last;
+      const float f = place - (float)i;
       for (int k = 0; k < 4; ++k)
       {
         at[q][k] =
@@ -51,7 +52,7 @@ static void finish_pixel(const chi_tet_scene* s, const float in[4], float out[4]
     out[3] = s->image_opacity ? -expm1f(-out[3]) : out[3] < 1 ? out[3] : 1;
     for (int k = 0; k < 3; ++k)
     {
-      out[k] = at[0][k] * out[3];
+      out[k] = (s->colors ? in[1 + k] : at[0][k]) * out[3];
     }
   }
 }

@@ -38,6 +38,8 @@ void chi_tet_mesh_free(const chi_exec* exec, chi_tet_mesh* mesh);
 typedef struct chi_tet_values
 {
   chi_buffer scalars, opacities; /* float: of points, or of the grid's cells */
+  chi_buffer colors;             /* float [x 3]: direct ones, where `direct` */
+  int direct;
   int is_cell_data, separate;
   double longest_edge, widest_range; /* of a tetrahedron: units of the grid, and of the scalar */
   chi_buffer visible;                /* uint32, one bit a tetrahedron */
@@ -50,6 +52,9 @@ typedef struct chi_tet_values
 } chi_tet_values;
 
 chi_status chi_tet_values_build(const chi_exec* exec, chi_tet_values* values,
+  const chi_tet_mesh* mesh, const chi_grid_view* grid, const chi_tet_field* field);
+/* Of these, direct colours, if the field has any. */
+chi_status chi_tet_colors_build(const chi_exec* exec, chi_tet_values* values,
   const chi_tet_mesh* mesh, const chi_grid_view* grid, const chi_tet_field* field);
 /* By the tables of the transfer function; `skip_transparent` 0: all whose scalars are finite. */
 chi_status chi_tet_values_choose(const chi_exec* exec, chi_tet_values* values,

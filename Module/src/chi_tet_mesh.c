@@ -129,7 +129,8 @@ chi_status chi_tet_values_build(const chi_exec* exec, chi_tet_values* values,
       return status;
     }
   }
-  return measure_all(exec, values, mesh);
+  const chi_status status = chi_tet_colors_build(exec, values, mesh, grid, field);
+  return status == CHI_OK ? measure_all(exec, values, mesh) : status;
 }
 
 typedef struct choice
@@ -273,6 +274,7 @@ void chi_tet_values_free(const chi_exec* exec, chi_tet_values* values)
 {
   chi_buffer_free(exec, &values->scalars);
   chi_buffer_free(exec, &values->opacities);
+  chi_buffer_free(exec, &values->colors);
   chi_buffer_free(exec, &values->visible);
   chi_buffer_free(exec, &values->opaque);
   chi_buffer_free(exec, &values->extinction);

@@ -54,13 +54,21 @@ static chi_preintegration_params fuzz_params(fuzz* f)
   p.segment_range = fuzz_once_in(f, 2) ? fuzz_mostly(f, (double)fuzz_byte(f)) : 0;
   p.full_scalars = (int32_t)(fuzz_once_in(f, 64) ? fuzz_bits(f, 4) : 4 + fuzz_upto(f, 40));
   p.full_depths = (int32_t)(fuzz_once_in(f, 64) ? fuzz_bits(f, 4) : 4 + fuzz_upto(f, 10));
+  p.direct_color = fuzz_once_in(f, 4) ? (int32_t)fuzz_bits(f, 4) : 0;
   return p;
 }
 
 static int is_valid(const chi_transfer_view* t, const chi_preintegration_params* p)
 {
   if (t->struct_size % 8 || t->struct_size < offsetof(chi_transfer_view, gradient_opacity) ||
-    p->struct_size % 8 || p->struct_size < sizeof *p || !t->rgb || !t->opacity || t->count < 2)
+    p->struct_size % 8 || p->struct_size < offsetof(chi_preintegration_params, direct_color) ||
+    !t->opacity || t->count < 2)
+  {
+    return 0;
+  }
+  const int direct =
+    p->struct_size > offsetof(chi_preintegration_params, direct_color) && p->direct_color;
+  if (!t->rgb && !direct)
   {
     return 0;
   }
@@ -80,8 +88,11 @@ static int is_valid(const chi_transfer_view* t, const chi_preintegration_params*
   {
     const double alpha = fmin(fmax((double)t->opacity[i], 0), 1);
     const double unit = p->opacity_convention ? -log1p(-fmin(alpha, 1 - 1e-6)) : alpha;
-    valid &= isfinite(t->rgb[3 * i]) && isfinite(t->rgb[3 * i + 1]) &&
-      isfinite(t->rgb[3 * i + 2]) && isfinite(t->opacity[i]) && unit / t->unit_distance <= 1e16;
+    valid &= isfinite(t->opacity[i]) && unit / t->unit_distance <= 1e16;
+    for (size_t c = 0; c < 3 && !direct; ++c)
+    {
+      valid &= isfinite(t->rgb[3 * i + c]);
+    }
   }
   return valid;
 }

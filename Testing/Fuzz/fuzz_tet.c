@@ -22,7 +22,7 @@ typedef struct fuzz_scene
   chi_camera camera;
   chi_grid_view grid;
   double matrix[16], planes[4 * 4];
-  chi_array_view scalars, opacity;
+  chi_array_view scalars, opacity, colors;
   chi_tet_field field;
   chi_transfer_view transfer;
   chi_surface_view surface;
@@ -97,6 +97,15 @@ static chi_tet_field any_field(fuzz* f, fuzz_scene* s)
   field.opacity = fuzz_once_in(f, 4) ? &s->opacity : NULL;
   field.component = (int32_t)fuzz_upto(f, components + fuzz_once_in(f, 64)) - 1;
   field.opacity_component = (int32_t)fuzz_upto(f, components + fuzz_once_in(f, 64)) - 1;
+  if (fuzz_once_in(f, 4)) /* given colours, and mostly no opacity beside them */
+  {
+    s->colors = fuzz_array(f, count + fuzz_once_in(f, 64), 4, (chi_type)(1 + fuzz_upto(f, 9)));
+    field.colors = &s->colors;
+    field.color_component = (int32_t)fuzz_upto(f, 1 + fuzz_once_in(f, 64));
+    field.color_range[0] = fuzz_mostly(f, fuzz_unit(f));
+    field.color_range[1] = fuzz_mostly(f, 1 + (double)fuzz_byte(f));
+    field.opacity = fuzz_once_in(f, 16) ? field.opacity : NULL;
+  }
   return field;
 }
 

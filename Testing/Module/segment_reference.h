@@ -9,6 +9,7 @@
  */
 
 #include <math.h>
+#include <stddef.h>
 
 /* Colour and extinction (rgba[3], per world unit) of a scalar. */
 typedef void (*segment_classify)(const void* data, double scalar, double rgba[4]);
@@ -71,16 +72,26 @@ static inline void segment_add_linear(
   sum[3] = before + 0.5 * length * (a[3] + b[3]);
 }
 
-/* The same of a segment between two places in the entries. */
-static inline void segment_add(
-  const segment_entries* e, double x0, double x1, double length, double sum[4])
+/* The same of a segment between two places in the entries; with `colors` its colour is not theirs
+ * but linear from the first of these to the second. */
+static inline void segment_add_direct(const segment_entries* e, const double (*colors)[3],
+  double x0, double x1, double length, double sum[4])
 {
   double a[4], b[4];
   segment_classify_entries(e, x0, a);
+  for (int c = 0; c < 3 && colors; ++c)
+  {
+    a[c] = colors[0][c];
+  }
   for (double x = x0;;)
   {
     double next = x1 > x0 ? fmin(floor(x) + 1, x1) : fmax(ceil(x) - 1, x1);
     segment_classify_entries(e, next, b);
+    for (int c = 0; c < 3 && colors; ++c)
+    {
+      const double u = next == x1 ? 1 : (next - x0) / (x1 - x0);
+      b[c] = colors[0][c] + u * (colors[1][c] - colors[0][c]);
+    }
     segment_add_linear(a, b, x1 != x0 ? length * ((next - x) / (x1 - x0)) : length, sum);
     if (next == x1)
     {
@@ -92,6 +103,12 @@ static inline void segment_add(
       a[c] = b[c];
     }
   }
+}
+
+static inline void segment_add(
+  const segment_entries* e, double x0, double x1, double length, double sum[4])
+{
+  segment_add_direct(e, NULL, x0, x1, length, sum);
 }
 
 /* The same of any function of the scalar, which is linear from s0 to s1: cut in halves until linear

@@ -51,7 +51,8 @@ typedef struct cell
 {
   double vertex[4][3], gradient[4][3];
   double scalar[4];
-  double window[4]; /* left, right, bottom, top of its projection, pixels */
+  const float* color[4]; /* or NULL */
+  double window[4];      /* left, right, bottom, top of its projection, pixels */
 } cell;
 
 static void cross(const double a[3], const double b[3], double out[3])
@@ -73,7 +74,9 @@ static int make_cell(const tet_reference_scene* s, size_t t, cell* c)
   for (int k = 0; k < 4; ++k)
   {
     to_eye(s->camera, s->points[s->vertices[t][k]], c->vertex[k]);
-    c->scalar[k] = (double)s->scalars[s->is_cell_data ? t : s->vertices[t][k]];
+    const size_t value = s->is_cell_data ? t : s->vertices[t][k];
+    c->scalar[k] = (double)s->scalars[value];
+    c->color[k] = s->colors ? s->colors[value] : NULL;
   }
   for (int k = 0; k < 3; ++k)
   {
@@ -160,6 +163,15 @@ static int intersect(const cell* c, const ray* r, double near_depth, tet_referen
     out->scalar[0] += c->scalar[k] * (at[k] + rise[k] * from);
     out->scalar[1] += c->scalar[k] * (at[k] + rise[k] * to);
   }
+  for (int i = 0; i < 3 && c->color[0]; ++i)
+  {
+    out->color[0][i] = out->color[1][i] = 0;
+    for (int k = 0; k < 4; ++k)
+    {
+      out->color[0][i] += (double)c->color[k][i] * (at[k] + rise[k] * from);
+      out->color[1][i] += (double)c->color[k][i] * (at[k] + rise[k] * to);
+    }
+  }
   return 1;
 }
 
@@ -235,7 +247,8 @@ void tet_reference_integrate(
       {
         x[k] = (scalar[k] - t->range[0]) / (t->range[1] - t->range[0]) * (t->count - 1);
       }
-      segment_add(&e, x[0], x[1], length, sum);
+      const double(*const colors)[3] = s->colors ? (const double(*)[3])l[i].color : NULL;
+      segment_add_direct(&e, colors, x[0], x[1], length, sum);
     }
     else
     {

@@ -29,6 +29,8 @@ typedef struct tet_reference_scene
   const chi_segment_tables* tables;
   segment_classify classify;
   const void* classify_data;
+  /** Direct colours of points, or of tetrahedra, in place of those of the tables; or NULL. */
+  const float (*colors)[3];
 } tet_reference_scene;
 
 /** A tetrahedron on a ray. */
@@ -38,6 +40,7 @@ typedef struct tet_reference_fragment
   double entry, exit; /**< depths along the view axis */
   double length;      /**< between them, world units */
   double scalar[2];   /**< at entry and exit */
+  double color[2][3]; /**< direct ones, likewise */
 } tet_reference_fragment;
 
 /**

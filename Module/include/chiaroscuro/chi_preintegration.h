@@ -54,6 +54,13 @@ typedef struct chi_preintegration_params
   int32_t full_scalars; /**< entries of the full table along each scalar axis, 4 ... 512; 0 = 128 */
   int32_t full_depths; /**< along that of the optical depth, 4 ... 64; 0 = 32. At most 2^22 entries,
                             64 MiB, together */
+  int32_t direct_color; /**< non-zero: colour is no function of the scalar but given, and linear
+                             between the ends of a segment; rgb is not read. What leaves a segment
+                             is c_front (1 - T - w) + c_back w, T being its transmittance. In the
+                             tables red stands for the place of what is seen, from front (0) to
+                             back (1): `full` holds w / (1 - T); `color` and the other colours
+                             mean nothing. Default 0 */
+  int32_t reserved;
 } chi_preintegration_params;
 
 /**
@@ -102,8 +109,8 @@ CHI_API void chi_preintegration_destroy(const chi_exec* exec, chi_preintegration
  *
  * @param[in]     exec            host services, or NULL; alloc and release must be those of create
  * @param[in,out] preintegration  the tables
- * @param[in]     transfer        rgb, opacity, count, range, unit_distance and version are read;
- * one table, over the scalar alone
+ * @param[in]     transfer        rgb (but for direct_color), opacity, count, range, unit_distance
+ * and version are read; one table, over the scalar alone
  * @param[in]     params          NULL: the defaults
  *
  * @retval CHI_OK                      the tables are those of transfer and params

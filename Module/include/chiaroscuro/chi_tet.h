@@ -47,6 +47,14 @@ typedef struct chi_tet_field
   int32_t opacity_component;     /**< of opacity; -1: magnitude */
   int32_t reserved;
   uint64_t version; /**< differs whenever anything here does */
+  /** Direct colours, in place of the transfer function's, whose rgb is not read then: a tuple a
+   * point or a cell, as of scalars. They are linear in a tetrahedron; scalars have the opacity, the
+   * gradient and the largest value, and `opacity` must be NULL. NULL: the transfer function's. */
+  const chi_array_view* colors;
+  int32_t color_component; /**< of colors: red; green and blue are the next two */
+  int32_t reserved_colors;
+  double color_range[2]; /**< values of colors that stand for 0 and 1, beyond which they are cut;
+                            NaN is 0; both 0: 0 and 1 */
 } chi_tet_field;
 
 /** How fragments become a pixel. */
@@ -253,6 +261,9 @@ typedef struct chi_tet_plan
                                  larger than 0; NULL: none */
   uint64_t surface_version; /**< differs whenever `depth` does */
   uint64_t frame_version;   /**< differs whenever the picture may */
+  const float* colors; /**< [point_count x 3], or of cells [value_count x 3], 0 ... 1, linear in
+                          each tetrahedron: direct colours, of which `tables` knows nothing
+                          (chi_preintegration_params.direct_color); NULL: those of the tables */
 } chi_tet_plan;
 
 /**

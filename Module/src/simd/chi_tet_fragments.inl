@@ -41,6 +41,7 @@ typedef struct tile_state
   float plane[CHI_TET_CUTS][4]; /* cuts of this tile: m = p0 dx + p1 dy + p2 against p3 */
   chi_tet_target* target;
   chi_tet_tally* tally;
+  float colors[2][3][FRAGMENTS + CHI_LANES]; /* direct ones at entry and exit */
 } tile_state;
 
 /* Lanes that are set in the mask, one after the other; returns nothing, the caller counts. */
@@ -279,10 +280,24 @@ CHI_INLINE void narrow(face_mask enters, vf w, vf* low, vf* high)
 #endif
 }
 
+/* What a quantity is where rays enter and leave a tetrahedron. */
+CHI_INLINE void evaluate_ends(
+  const batch* r, int q, int lane, vf x, vf y, vf entry, vf dz, const int parallel, vf ends[2])
+{
+  const vf at = x * r->ax[q][lane] + (y * r->ay[q][lane] + r->ac[q][lane]);
+  const vf slope =
+    parallel ? vf_set(r->bc[q][lane]) : x * r->bx[q][lane] + (y * r->by[q][lane] + r->bc[q][lane]);
+  const vf least = vf_set(r->low[q][lane]), most = vf_set(r->high[q][lane]);
+  const vf s0 = at + slope * entry, s1 = s0 + slope * dz;
+  ends[0] = vf_min(vf_max(s0, least), most);
+  ends[1] = vf_min(vf_max(s1, least), most);
+}
+
 /* Fragments of one tetrahedron at pixels of the tile, x and y from the first of its box; those of
  * lanes that are not set in `wanted` are none. */
 CHI_INLINE void evaluate(tile_state* t, int lane, vf x, vf y, vi pixel, vi wanted,
-  const int parallel, const int separate, const int cuts, const int picking, const int named)
+  const int parallel, const int separate, const int direct, const int cuts, const int picking,
+  const int named)
 {
   const batch* const r = &t->r;
   fragments* const f = &t->f;
@@ -340,13 +355,17 @@ CHI_INLINE void evaluate(tile_state* t, int lane, vf x, vf y, vi pixel, vi wante
   compress((float*)f->pixel + n, mask, (vf)pixel);
   for (int q = 0; q <= separate; ++q)
   {
-    const vf at = x * r->ax[q][lane] + (y * r->ay[q][lane] + r->ac[q][lane]);
-    const vf slope = parallel ? vf_set(r->bc[q][lane])
-                              : x * r->bx[q][lane] + (y * r->by[q][lane] + r->bc[q][lane]);
-    const vf least = vf_set(r->low[q][lane]), most = vf_set(r->high[q][lane]);
-    const vf s0 = at + slope * entry, s1 = s0 + slope * dz;
-    compress((q ? f->y0 : f->x0) + n, mask, vf_min(vf_max(s0, least), most));
-    compress((q ? f->y1 : f->x1) + n, mask, vf_min(vf_max(s1, least), most));
+    vf ends[2];
+    evaluate_ends(r, q, lane, x, y, entry, dz, parallel, ends);
+    compress((q ? f->y0 : f->x0) + n, mask, ends[0]);
+    compress((q ? f->y1 : f->x1) + n, mask, ends[1]);
+  }
+  for (int k = 0; k < 3 && direct; ++k)
+  {
+    vf ends[2];
+    evaluate_ends(r, COLORS + k, lane, x, y, entry, dz, parallel, ends);
+    compress(t->colors[0][k] + n, mask, ends[0]);
+    compress(t->colors[1][k] + n, mask, ends[1]);
   }
   if (picking)
   {

@@ -55,6 +55,7 @@ typedef struct chi_tet_scene
   int32_t maximum;          /* 1: maximum intensity: opacity is that of a path of */
   float maximum_of_unit;    /* so much length, by the convention: */
   int32_t image_opacity;    /* 1: 1 - exp(-extinction x length), 0: extinction x length */
+  const float (*colors)[3]; /* direct ones of points, or of cells as cell_scalars; NULL */
 } chi_tet_scene;
 
 typedef struct chi_tet_tally
@@ -74,10 +75,10 @@ typedef struct chi_tet_cached
 /* Where the fragments of a tile go. */
 typedef struct chi_tet_target
 {
-  float*
-    rgba;     /* [CHI_TET_TILE_PIXELS x 4] premultiplied colour and transmittance; of maximum
-                 intensity x is the table position of the largest scalar, -1: none, y the opacity's */
-  float stop; /* drawing ends where no transmittance is larger; 0: never */
+  float* rgba; /* [CHI_TET_TILE_PIXELS x 4] premultiplied colour and transmittance; of maximum
+                  intensity x is the table position of the largest scalar, -1: none, y the
+                  opacity's, or y, z, w the direct colour there */
+  float stop;  /* drawing ends where no transmittance is larger; 0: never */
   chi_tet_cached* cached; /* also here, `count` of them so far; NULL: nowhere */
   /* picking: */
   float* pick_alpha; /* or NULL */

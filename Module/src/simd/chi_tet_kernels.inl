@@ -47,7 +47,7 @@ CHI_INLINE void segment_separate(
 /* What differs from frame to frame, so that each combination has code of its own. */
 typedef struct variant
 {
-  int parallel, separate, cuts, picking, method, shaded;
+  int parallel, separate, cuts, picking, method, shaded, direct;
 } variant;
 
 enum
@@ -138,6 +138,8 @@ CHI_INLINE void keep_maximum(tile_state* t, const variant u)
     p[1] = y > p[1] ? y : p[1];
   }
 }
+
+#include "chi_tet_colors.inl"
 
 /* Where accumulated opacity passes what counts as hit; until then the most opaque fragment. */
 CHI_INLINE void pick(tile_state* t, size_t i, float transmittance)
@@ -334,12 +336,12 @@ CHI_INLINE void blend_fragments(tile_state* t, const variant u)
   t->tally->fragments += (int64_t)f->count;
   if (u.method == METHOD_MAXIMUM)
   {
-    keep_maximum(t, u);
+    u.direct ? keep_maximum_color(t) : keep_maximum(t, u);
     f->count = 0;
     return;
   }
 #if defined(CHI_VEC_AVX2) || defined(CHI_VEC_AVX512)
-  if (u.method == CHI_PREINTEGRATION_PARTIAL && !u.separate && !u.picking && !u.shaded)
+  if (u.method == CHI_PREINTEGRATION_PARTIAL && !u.separate && !u.picking && !u.shaded && !u.direct)
   {
     if (t->scene->fine)
     {
@@ -358,7 +360,11 @@ CHI_INLINE void blend_fragments(tile_state* t, const variant u)
   {
     const vf x0 = vf_load(f->x0 + i), x1 = vf_load(f->x1 + i), length = vf_load(f->length + i);
     vf color[4];
-    if (u.separate)
+    if (u.direct)
+    {
+      segment_direct(t, i, u.method, color);
+    }
+    else if (u.separate)
     {
       segment_separate(
         tables, x0, x1, vf_load(f->y0 + i), vf_load(f->y1 + i), length, u.method, color);
@@ -422,6 +428,10 @@ static __attribute__((noinline)) void keep(const tile_state* t)
 CHI_INLINE void consume(tile_state* t, const variant u)
 {
   pad(&t->f);
+  if (u.direct)
+  {
+    pad_colors(t);
+  }
   finish(t, u);
   if (t->target->cached)
   {
@@ -538,7 +548,7 @@ CHI_INLINE int go_on(
       }
       const vf row = y + (float)at->row;
       evaluate(t, lane, x, row, pixel + (at->row << CHI_TET_TILE_SHIFT), row < (float)height,
-        u.parallel, u.separate, u.cuts, u.picking, u.picking | u.shaded);
+        u.parallel, u.separate, u.direct, u.cuts, u.picking, u.picking | u.shaded);
     }
     return 1;
   }
@@ -562,8 +572,8 @@ CHI_INLINE int go_on(
       const vi wanted = in_row <= last;
       /* beyond the row's end any pixel of the tile will do */
       const vi pixel = (in_row & wanted) + ((y0 + at->row) << CHI_TET_TILE_SHIFT);
-      evaluate(t, lane, x, vf_set((float)at->row), pixel, wanted, u.parallel, u.separate, u.cuts,
-        u.picking, u.picking | u.shaded);
+      evaluate(t, lane, x, vf_set((float)at->row), pixel, wanted, u.parallel, u.separate, u.direct,
+        u.cuts, u.picking, u.picking | u.shaded);
     }
   }
   return 1;
@@ -574,7 +584,7 @@ CHI_INLINE void draw_batch(tile_state* t, int n, const narrow_boxes* boxes, cons
   batch* const r = &t->r;
   for (int o = 0; o < CHI_LANES && o < n; o += HALF_LANES)
   {
-    set_up(r, o, t->scene, t->x, t->y, u.parallel, u.separate);
+    set_up(r, o, t->scene, t->x, t->y, u.parallel, u.separate, u.direct);
   }
   t->tally->tetrahedra += n;
   for (int lane = 0; lane < n; ++lane)
@@ -699,7 +709,7 @@ CHI_INLINE void draw_tile(const chi_tet_scene* scene, const uint64_t* list, size
     size_t count, int32_t tile_x, int32_t tile_y, chi_tet_target* target, chi_tet_tally* tally)    \
   {                                                                                                \
     draw_tile(scene, list, count, tile_x, tile_y, target, tally,                                   \
-      (variant){ parallel, separate, cuts, 0, method, 0 });                                        \
+      (variant){ parallel, separate, cuts, 0, method, 0, 0 });                                     \
   }
 CHI_DRAW(draw_none, 0, 0, 0, CHI_PREINTEGRATION_NONE)
 CHI_DRAW(draw_partial, 0, 0, 0, CHI_PREINTEGRATION_PARTIAL)
@@ -712,7 +722,7 @@ static __attribute__((noinline)) void draw_any(const chi_tet_scene* scene, const
 {
   const variant u = { scene->parallel, scene->separate, scene->depth || scene->plane_count,
     target->pick_alpha != NULL, scene->maximum ? METHOD_MAXIMUM : scene->tables->method,
-    scene->shades != NULL };
+    scene->shades != NULL, scene->colors != NULL };
   draw_tile(scene, list, count, tile_x, tile_y, target, tally, u);
 }
 
@@ -721,7 +731,7 @@ static void draw(const chi_tet_scene* scene, const uint64_t* list, size_t count,
 {
   const int cuts = scene->depth || scene->plane_count;
   const int plain = !scene->parallel && !scene->separate && !target->pick_alpha &&
-    !scene->maximum && !scene->shades;
+    !scene->maximum && !scene->shades && !scene->colors;
   const int method = scene->tables->method;
   (plain && !cuts && method == CHI_PREINTEGRATION_PARTIAL     ? draw_partial
       : plain && cuts && method == CHI_PREINTEGRATION_PARTIAL ? draw_partial_cut
@@ -733,10 +743,10 @@ static void draw(const chi_tet_scene* scene, const uint64_t* list, size_t count,
 
 static void draw_cached(const chi_tet_scene* scene, chi_tet_target* target, chi_tet_tally* tally)
 {
-  const variant u = { scene->parallel, 0, 0, 0, scene->tables->method, 0 };
+  const variant u = { scene->parallel, 0, 0, 0, scene->tables->method, 0, 0 };
   if (u.method == CHI_PREINTEGRATION_PARTIAL)
   {
-    draw_kept(scene, target, tally, (variant){ 0, 0, 0, 0, CHI_PREINTEGRATION_PARTIAL, 0 });
+    draw_kept(scene, target, tally, (variant){ 0, 0, 0, 0, CHI_PREINTEGRATION_PARTIAL, 0, 0 });
   }
   else
   {

@@ -17,7 +17,9 @@
 
 enum
 {
-  HALF_LANES = CHI_LANES / 2
+  HALF_LANES = CHI_LANES / 2,
+  QUANTITIES = 5, /* that may be linear in a tetrahedron */
+  COLORS = 2      /* the first of the three direct colours among them */
 };
 
 typedef double vd __attribute__((vector_size(8 * HALF_LANES)));
@@ -39,10 +41,11 @@ typedef int32_t vhi __attribute__((vector_size(4 * HALF_LANES)));
 typedef struct batch
 {
   float a[4][CHI_LANES], b[4][CHI_LANES], c[4][CHI_LANES]; /* w of a face = a dx + b dy + c */
-  float ax[2][CHI_LANES], ay[2][CHI_LANES],
-    ac[2][CHI_LANES]; /* scalar where z = z0; the opacity's */
-  float bx[2][CHI_LANES], by[2][CHI_LANES], bc[2][CHI_LANES]; /* its slope along z */
-  float low[2][CHI_LANES], high[2][CHI_LANES];                /* its range in the tetrahedron */
+  float ax[QUANTITIES][CHI_LANES], ay[QUANTITIES][CHI_LANES],
+    ac[QUANTITIES][CHI_LANES]; /* scalar where z = z0; the opacity's; direct colours */
+  float bx[QUANTITIES][CHI_LANES], by[QUANTITIES][CHI_LANES],
+    bc[QUANTITIES][CHI_LANES];                                   /* its slope along z */
+  float low[QUANTITIES][CHI_LANES], high[QUANTITIES][CHI_LANES]; /* its range in the tetrahedron */
   float z0[CHI_LANES];
   float edge_x[6][CHI_LANES], edge_slope[6][CHI_LANES]; /* where a projected edge crosses row y */
   float edge_low[6][CHI_LANES], edge_high[6][CHI_LANES];
@@ -287,9 +290,25 @@ CHI_INLINE void set_quantity(batch* r, int q, int o, const vh s[4], const vd n[4
   vh_store(r->high[q] + o, vh_max(vh_max(s[0], s[1]), vh_max(s[2], s[3])));
 }
 
+/* A direct colour at the four points of tetrahedra. */
+CHI_INLINE void load_colors(
+  const chi_tet_scene* scene, const uint32_t* id, const uint32_t* const* at, int k, vh s[4])
+{
+  for (int c = 0; c < 4; ++c)
+  {
+    float lanes[HALF_LANES];
+    for (int i = 0; i < HALF_LANES; ++i)
+    {
+      const uint32_t cell = scene->cells ? scene->cells[id[i]] : id[i];
+      lanes[i] = scene->colors[scene->cell_scalars ? cell : at[i][c]][k];
+    }
+    memcpy(s + c, lanes, sizeof lanes);
+  }
+}
+
 /* Lanes o ... o + HALF_LANES - 1 of a batch. */
 CHI_INLINE void set_up(batch* r, int o, const chi_tet_scene* scene, int32_t tile_x, int32_t tile_y,
-  const int parallel, const int separate)
+  const int parallel, const int separate, const int direct)
 {
   vd x[4], y[4], z[4], bits[4];
   const uint32_t* at[HALF_LANES];
@@ -449,5 +468,10 @@ CHI_INLINE void set_up(batch* r, int o, const chi_tet_scene* scene, int32_t tile
       s[1] = s[2] = s[3] = s[0];
     }
     set_quantity(r, q, o, s, (const vd(*)[3])n, inverse, parallel, to, base, step, zs);
+  }
+  for (int k = 0; k < 3 && direct; ++k)
+  {
+    load_colors(scene, r->id + o, at, k, s);
+    set_quantity(r, COLORS + k, o, s, (const vd(*)[3])n, inverse, parallel, to, base, step, zs);
   }
 }
