@@ -171,6 +171,11 @@ void chi_scene_place_lights(chi_scene* scene, const chi_occlusion_params* params
 chi_status chi_scene_build(
   chi_scene* scene, const chi_occlusion_frame* frame, double surface_near, double surface_far);
 
+/* The same for matter that is no grid of samples: so many slabs from one depth to another, light
+ * read nearer to the eye by the bias, which is not negative, but by no less than 1.5 slabs. */
+void chi_scene_build_slabs(chi_scene* scene, const chi_camera* camera,
+  const chi_occlusion_params* params, const double depths[2], int64_t slabs);
+
 /* One direction's shift into a slab: whole light pixels, and the weights of the taps at (0, 0), (1,
  * 0), (0, 1), (1, 1) from there. */
 void chi_scene_step(

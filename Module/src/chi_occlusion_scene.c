@@ -123,11 +123,11 @@ static void narrow_depths(
  * Never so far that light crosses another row in a slab: that costs time (theory/occlusion.md,
  * "Order of the work").
  */
-static void place_zigzag(chi_scene* scene)
+static void place_zigzag(chi_scene* scene, double share)
 {
   /* Light pixels. More would make steps smaller still, but what a plate casts on a wall at full
    * size misses the exact cone by more than the 0.028 asked for. */
-  const double amplitude = scene->scale == 2 ? 0.0625 : 0.045;
+  const double amplitude = share * (scene->scale == 2 ? 0.0625 : 0.045);
   const double shift = chi_scene_shift(
     scene, chi_scene_depth(scene, 0.5), chi_scene_depth(scene, 1.5)); /* nearest = widest */
   const double pixels[2] = { scene->pixels_x, scene->pixels_y };
@@ -152,11 +152,9 @@ static void place_zigzag(chi_scene* scene)
   }
 }
 
-chi_status chi_scene_build(
-  chi_scene* scene, const chi_occlusion_frame* frame, double surface_near, double surface_far)
+static void place_picture(
+  chi_scene* scene, const chi_camera* camera, const chi_occlusion_params* params)
 {
-  const chi_camera* const camera = frame->camera;
-  const chi_occlusion_params* const params = frame->params;
   scene->width = camera->width;
   scene->height = camera->height;
   scene->scale = params->half_size ? 2 : 1;
@@ -165,7 +163,41 @@ chi_status chi_scene_build(
   scene->parallel = camera->parallel != 0;
   scene->published = params->method == CHI_OCCLUSION_PUBLISHED;
   chi_scene_place_lights(scene, params);
+}
 
+void chi_scene_build_slabs(chi_scene* scene, const chi_camera* camera,
+  const chi_occlusion_params* params, const double depths[2], int64_t slabs)
+{
+  static const double identity[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
+  place_picture(scene, camera, params);
+  place_pixels(scene, camera, identity);
+  scene->group = 1;
+  scene->slabs = scene->volume_end = slabs;
+  scene->volume_begin = 0;
+  scene->start = depths[0];
+  scene->slice = scene->slab = scene->voxel = (depths[1] - depths[0]) / (double)slabs;
+  /* what light there is must be known of a whole slab before it is drawn: light planes lie in the
+   * middle of slabs */
+  scene->bias = scene->sample_bias = fmax(params->bias / scene->slab, 1.5);
+  /* The swing blurs by the slab: where these are thinner than what light moves by in a voxel that
+   * is a pixel wide, each swings so much less, and all together blur alike. */
+  double steepest = 0;
+  for (int m = 0; m < scene->directions; ++m)
+  {
+    steepest = fmax(steepest, hypot((double)scene->tangent[0][m], (double)scene->tangent[1][m]));
+  }
+  const double shift = chi_scene_shift(scene, chi_scene_depth(scene, 0.5), depths[1]) *
+    fmax(fabs(scene->pixels_x), fabs(scene->pixels_y)) / (double)slabs;
+  const double usual = steepest / scene->scale;
+  place_zigzag(scene, usual > 0 ? fmin(steepest * shift / usual, 1) : 1);
+}
+
+chi_status chi_scene_build(
+  chi_scene* scene, const chi_occlusion_frame* frame, double surface_near, double surface_far)
+{
+  const chi_camera* const camera = frame->camera;
+  const chi_occlusion_params* const params = frame->params;
+  place_picture(scene, camera, params);
   double eye_to_index[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
   double near = INFINITY, far = -INFINITY, box[2] = { INFINITY, -INFINITY };
   if (frame->volume)
@@ -306,6 +338,6 @@ chi_status chi_scene_build(
    * longer. */
   const double lead = params->bias < 0 ? 0.5 * fmax(scene->voxel, scene->slice) : 0;
   scene->sample_bias = scene->bias + (lead - 0.5 * scene->slice) / scene->slab;
-  place_zigzag(scene);
+  place_zigzag(scene, 1);
   return CHI_OK;
 }

@@ -58,6 +58,7 @@ typedef struct draw_key
   const void* depth;
   uint64_t surface;
   chi_shading_key shading;
+  double occlusion[CHI_TET_OCCLUSION_KEY];
 } draw_key;
 
 /* What a plan is made from. */
@@ -88,7 +89,9 @@ struct chi_tet
   chi_tet_reduction reduction;
   chi_tet_cache cache;
   cache_key cached;
-  chi_buffer shades; /* float [tetrahedra][6] */
+  chi_tet_occlusion* occlusion; /* NULL before it is first asked for */
+  double cell;                  /* cube root of the mesh's volume a cell, world units */
+  chi_buffer shades;            /* float [tetrahedra][6] */
   chi_buffer image;
   int32_t width, height;
   int32_t bits; /* of the keys */
@@ -172,6 +175,7 @@ void chi_tet_destroy(const chi_exec* exec, chi_tet* tet)
   chi_tet_order_destroy(exec, tet->order);
   chi_preintegration_destroy(exec, tet->preintegration);
   chi_tet_cache_free(exec, &tet->cache);
+  chi_tet_occlusion_destroy(exec, tet->occlusion);
   chi_buffer_free(exec, &tet->reduction.depth);
   chi_buffer_free(exec, &tet->reduction.rgba);
   chi_buffer_free(exec, &tet->shades);
@@ -224,7 +228,7 @@ static int params_are_valid(const chi_tet_params* p)
     p->pre_integration <= CHI_PREINTEGRATION_FULL &&
     (p->opacity_convention == CHI_OPACITY_LINEAR || p->opacity_convention == CHI_OPACITY_IMAGE) &&
     (p->blend == CHI_TET_BLEND_COMPOSITE || p->blend == CHI_TET_BLEND_MAXIMUM) && p->skip >= 0 &&
-    p->reduction >= 0 && p->reduction <= 8;
+    p->reduction >= 0 && p->reduction <= 8 && chi_tet_occlusion_is_valid(p);
 }
 
 /* The frame as one of ours, checked. The grid, the arrays and the transfer function are checked in
@@ -397,13 +401,13 @@ static chi_status classify(const chi_exec* exec, chi_tet* tet, const chi_tet_fra
     }
     stretch = sqrt(stretch);
   }
-  if (f->params->automatic_unit_distance && tet->mesh.counts.volume > 0)
+  const chi_grid_counts* const n = &tet->mesh.counts;
+  const size_t cells = n->cells - n->ghost_cells - n->blanked_cells - n->lower_dimensional_cells -
+    n->unsupported_cells - n->non_finite_cells;
+  tet->cell = cbrt(n->volume * scale / (double)(cells ? cells : 1));
+  if (f->params->automatic_unit_distance && tet->cell > 0)
   {
-    const double volume = tet->mesh.counts.volume * scale;
-    const chi_grid_counts* const n = &tet->mesh.counts;
-    const size_t cells = n->cells - n->ghost_cells - n->blanked_cells - n->lower_dimensional_cells -
-      n->unsupported_cells - n->non_finite_cells;
-    transfer.unit_distance = cbrt(volume / (double)(cells ? cells : 1));
+    transfer.unit_distance = tet->cell;
   }
   tet->stats.unit_distance = transfer.unit_distance;
   chi_preintegration_params params;
@@ -584,6 +588,7 @@ static draw_key key_of_draw(const chi_tet* tet, const chi_tet_frame* f, const ch
   key.depth = f->surface ? f->surface->depth : NULL;
   key.surface = f->surface ? f->surface->version : 0;
   chi_shading_make_key(&key.shading, f->shading);
+  chi_tet_occlusion_key(f->params, key.occlusion);
   key.size[0] = full->width;
   key.size[1] = full->height;
   return key;
@@ -791,6 +796,23 @@ static chi_status draw(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* 
     }
   }
   const chi_tet_scene scene = make_scene(tet, f);
+  s->seconds_light = 0;
+  s->bytes_occlusion = 0;
+  s->light_slabs = 0;
+  if (chi_tet_is_occluded(f->params))
+  {
+    chi_tet_occlusion_result result;
+    const chi_status status =
+      chi_tet_occlude(exec, &tet->occlusion, &tet->bins, &scene, f, tet->cell, rgba, &result);
+    s->drawn = result.tally.tetrahedra;
+    s->fragments = result.tally.fragments;
+    s->delicate = result.tally.delicate;
+    s->seconds_light = result.seconds_light;
+    s->bytes_occlusion = result.bytes;
+    s->light_slabs = result.slabs;
+    s->seconds_draw = now() - begin;
+    return status;
+  }
   const int use = use_cache(exec, tet, f);
   const chi_tet_pass pass = { .skip_saturated = f->params->skip & CHI_TET_SKIP_SATURATED,
     .rgba = rgba,

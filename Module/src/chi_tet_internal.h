@@ -15,7 +15,9 @@
 enum
 {
   CHI_TET_MAX_SIZE = 16384, /* pixels a side: tiles are numbered by bytes */
-  CHI_TET_CHUNKS = 64       /* of the list of tetrahedra, whatever the number of threads */
+  CHI_TET_MAX_SLABS = 4096, /* of occlusion */
+  CHI_TET_OCCLUSION_KEY = 6,
+  CHI_TET_CHUNKS = 64 /* of the list of tetrahedra, whatever the number of threads */
 };
 
 /* Stage 1: the grid as tetrahedra. */
@@ -143,6 +145,27 @@ chi_status chi_tet_draw(const chi_exec* exec, chi_tet_bins* bins, const chi_tet_
 /* Bytes of as many fragments; whether they can be had. */
 int chi_tet_cache_reserve(const chi_exec* exec, chi_tet_cache* cache, size_t tiles, size_t limit);
 void chi_tet_cache_free(const chi_exec* exec, chi_tet_cache* cache);
+
+/* The same with occlusion, slab after slab of depths. */
+typedef struct chi_tet_occlusion chi_tet_occlusion;
+
+typedef struct chi_tet_occlusion_result
+{
+  chi_tet_tally tally;
+  double seconds_light;
+  size_t bytes;
+  int32_t slabs; /* passed */
+} chi_tet_occlusion_result;
+
+int chi_tet_occlusion_is_valid(const chi_tet_params* params);
+int chi_tet_is_occluded(const chi_tet_params* params);
+/* What of the parameters changes the picture; zeros where it is not occluded. */
+void chi_tet_occlusion_key(const chi_tet_params* params, double key[CHI_TET_OCCLUSION_KEY]);
+/* `keep` is made where it is NULL. `cell`: cube root of the mesh's volume a cell, world units. */
+chi_status chi_tet_occlude(const chi_exec* exec, chi_tet_occlusion** keep, chi_tet_bins* bins,
+  const chi_tet_scene* scene, const chi_tet_frame* frame, double cell, float* rgba,
+  chi_tet_occlusion_result* result);
+void chi_tet_occlusion_destroy(const chi_exec* exec, chi_tet_occlusion* occlusion); /* NULL too */
 
 /* A frame of fewer pixels, and its picture brought to size. */
 typedef struct chi_tet_reduction

@@ -43,6 +43,50 @@ static void a_homogeneous_cube_has_the_closed_form(void)
   }
 }
 
+/* A surface and a clip plane end rays in cells whose first vertex lies behind the eye, as anywhere.
+ */
+static void cuts_hold_in_cells_around_the_eye(void)
+{
+  static float depth[64 * 64];
+  const chi_surface_view surface = { .struct_size = sizeof surface, .depth = depth, .version = 1 };
+  for (size_t n = 1; n <= 3; ++n)
+  {
+    tet_mesh* const mesh = tet_mesh_cubes(n, TET_CONSTANT);
+    scene s;
+    make_scene(&s, mesh, TET_VIEW_INSIDE, 0, 64);
+    s.camera = tet_look(0.37, 213, -27, 0, 64, 0.57735); /* from the points that come first */
+    const double* const m = s.camera.world_to_eye;
+    const double plane[4] = { m[8], m[9], m[10], m[11] + 0.2 }; /* what is nearer than 0.2 stays */
+    for (int clips = 0; clips < 2; ++clips)
+    {
+      for (int i = 0; i < 64 * 64; ++i)
+      {
+        depth[i] = 0.2f;
+      }
+      s.frame.surface = clips ? NULL : &surface;
+      s.frame.clip_planes = plane;
+      s.frame.clip_plane_count = (size_t)clips;
+      chi_tet* tet;
+      CHECK(chi_tet_create(NULL, &tet) == CHI_OK);
+      CHECK(chi_tet_render(NULL, tet, &s.frame) == CHI_OK);
+      chi_tet_image image;
+      chi_tet_get_image(tet, &image);
+      double worst = 0;
+      for (int i = 0; i < 64 * 64; ++i)
+      {
+        const double* const w = s.camera.window;
+        const double x = w[0] + (w[1] - w[0]) * (i % 64 + 0.5) / 64;
+        const double y = w[2] + (w[3] - w[2]) * (i / 64 + 0.5) / 64;
+        const double length = (0.2 - s.camera.near_depth) * sqrt(1 + x * x + y * y);
+        worst = fmax(worst, fabs((double)image.rgba[4 * i + 3] + expm1(-0.3 * length)));
+      }
+      CHECK_NEAR(worst, 0, 1e-4); /* as of whole rays */
+      chi_tet_destroy(NULL, tet);
+    }
+    tet_mesh_free(mesh);
+  }
+}
+
 /* Nothing is done twice, and what is done again gives the same. */
 static void an_unchanged_frame_stands(void)
 {
@@ -480,6 +524,7 @@ static void opaque_tiles_end(void)
 
 int main(void)
 {
+  cuts_hold_in_cells_around_the_eye();
   opaque_tiles_end();
   fine_tables_give_the_same_picture();
   violations_are_those_of_the_order_asked_for();

@@ -97,6 +97,19 @@ typedef struct chi_tet_params
                                   that stands is drawn faster under the third and later transfer
                                     functions; scalars are rounded to 1/65535 of the range; 0: none
                                     (default) */
+  /** Occlusion: how much the light that reaches matter through a cone about the direction to the
+   * eye, its visibility V, darkens it: colours become 1 - strength (1 - V) times theirs, highlights
+   * included. Between 0, which is off (default), and 1. Maximum intensity has none. What follows
+   * means what it means in chi_occlusion.h, see theory/tet_occlusion.md. */
+  double occlusion_strength;
+  double cone_angle_degrees; /**< half angle of the cone, 1 ... 85; 0 (default) = 45 */
+  double occlusion_bias;   /**< visibility is read so much nearer to the eye than matter lies, world
+                                units, and by 1.5 slabs at least; 0 (default) = twice the cube root
+                                of the mesh's volume a cell */
+  int32_t direction_count; /**< 1 ... 64, of equal solid angle each; 0 (default) = 16 */
+  int32_t occlusion_slabs; /**< over the depths of what is drawn, 1 ... 4096; 0 (default) = 128 */
+  int32_t full_size_light; /**< non-zero: a light pixel a pixel; 0 (default): one for four */
+  int32_t reserved_too;
 } chi_tet_params;
 
 /** One frame: all borrowed, none modified. */
@@ -148,10 +161,13 @@ typedef struct chi_tet_stats
   int32_t pre_integration;             /**< CHI_PREINTEGRATION_... used */
   double unit_distance;                /**< used, world units */
   double seconds_split, seconds_values, seconds_order, seconds_bins, seconds_draw, seconds_total;
-  size_t bytes_mesh;  /**< of the mesh and its order, kept from frame to frame */
-  size_t bytes_frame; /**< of the frame: points in the eye's space, tiles and their lists */
-  size_t bytes_image; /**< of the picture */
-  size_t bytes_cache; /**< of kept fragments */
+  size_t bytes_mesh;      /**< of the mesh and its order, kept from frame to frame */
+  size_t bytes_frame;     /**< of the frame: points in the eye's space, tiles and their lists */
+  size_t bytes_image;     /**< of the picture */
+  size_t bytes_cache;     /**< of kept fragments */
+  double seconds_light;   /**< of seconds_draw: light through the slabs; 0 without occlusion */
+  size_t bytes_occlusion; /**< of light planes and the slabs' lists, kept from frame to frame */
+  int64_t light_slabs;    /**< passed before all was opaque or drawn; 0 without occlusion */
 } chi_tet_stats;
 
 /** The defaults named above. Infallible. */

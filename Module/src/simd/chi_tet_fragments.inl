@@ -16,7 +16,7 @@ typedef struct fragments
   float length[FRAGMENTS + CHI_LANES];                        /* along z; then along the ray */
   float x0[FRAGMENTS + CHI_LANES], x1[FRAGMENTS + CHI_LANES]; /* scalars at entry and exit */
   float y0[FRAGMENTS + CHI_LANES], y1[FRAGMENTS + CHI_LANES]; /* the opacity's */
-  float depth[FRAGMENTS + CHI_LANES];                         /* of the entry */
+  float depth[FRAGMENTS + CHI_LANES]; /* of the entry; of the middle, where it is lit */
   uint32_t id[FRAGMENTS + CHI_LANES];
 } fragments;
 
@@ -101,7 +101,8 @@ CHI_INLINE size_t lanes_of(lane_mask mask)
 }
 #endif
 
-/* Clip planes and the surface: the rays of these pixels are cut to [low, high]. */
+/* Clip planes, the surface and limits of depth: the rays of these pixels are cut to [low, high], by
+ * w from the depth z0, which is positive in perspective. */
 CHI_INLINE void cut(const tile_state* t, vi pixel, vf z0, const int parallel, vf* low, vf* high)
 {
   const chi_tet_scene* const s = t->scene;
@@ -146,6 +147,11 @@ CHI_INLINE void cut(const tile_state* t, vi pixel, vf z0, const int parallel, vf
     }
     const vf d = vf_load(depth);
     *high = vf_min(*high, parallel ? d - z0 : 1.0f - z0 / d);
+  }
+  if (s->limited)
+  {
+    *low = vf_max(*low, parallel ? s->limits[0] - z0 : 1.0f - z0 / s->limits[0]);
+    *high = vf_min(*high, parallel ? s->limits[1] - z0 : 1.0f - z0 / s->limits[1]);
   }
 }
 
@@ -297,7 +303,7 @@ CHI_INLINE void evaluate_ends(
  * lanes that are not set in `wanted` are none. */
 CHI_INLINE void evaluate(tile_state* t, int lane, vf x, vf y, vi pixel, vi wanted,
   const int parallel, const int separate, const int direct, const int cuts, const int picking,
-  const int named)
+  const int lit, const int named)
 {
   const batch* const r = &t->r;
   fragments* const f = &t->f;
@@ -310,9 +316,14 @@ CHI_INLINE void evaluate(tile_state* t, int lane, vf x, vf y, vi pixel, vi wante
     narrow(mask_of_face(front, k), w, &low, &high);
   }
   vf from = vf_set(-3e38f), to = vf_set(3e38f);
+  /* where the first vertex lies behind the eye, the cell is delicate: cuts are counted from some
+   * depth in front of it */
+  const float near = (float)t->scene->near_depth;
+  const float ahead = r->z0[lane] < 0 ? -r->z0[lane] : r->z0[lane];
+  const vf zc = vf_set(parallel ? r->z0[lane] : ahead > near ? ahead : near);
   if (cuts)
   {
-    cut(t, pixel, z0, parallel, &from, &to);
+    cut(t, pixel, zc, parallel, &from, &to);
     low = vf_max(low, from);
     high = vf_min(high, to);
   }
@@ -340,8 +351,8 @@ CHI_INLINE void evaluate(tile_state* t, int lane, vf x, vf y, vi pixel, vi wante
       const vf end = vf_load(exact[1]);
       /* w of 1 lies at infinity; beyond there is no cut, or nothing is left */
       const vf never = vf_set(3e38f);
-      const vf lower = parallel ? from : vf_select(from < 1.0f, z0 / (1.0f - from) - z0, never);
-      const vf upper = parallel ? to : vf_select(to < 1.0f, z0 / (1.0f - to) - z0, never);
+      const vf lower = parallel ? from : vf_select(from < 1.0f, zc / (1.0f - from) - z0, never);
+      const vf upper = parallel ? to : vf_select(to < 1.0f, zc / (1.0f - to) - z0, never);
       const vi later = lower > entry, sooner = upper < end;
       const vf start = vf_select(later, lower, entry), stop = vf_select(sooner, upper, end);
       dz = vf_select((later | sooner) & (dz > 0.0f), stop - start, dz);
@@ -367,9 +378,9 @@ CHI_INLINE void evaluate(tile_state* t, int lane, vf x, vf y, vi pixel, vi wante
     compress(t->colors[0][k] + n, mask, ends[0]);
     compress(t->colors[1][k] + n, mask, ends[1]);
   }
-  if (picking)
+  if (picking || lit)
   {
-    compress(f->depth + n, mask, z0 + entry);
+    compress(f->depth + n, mask, z0 + entry + dz * (lit ? 0.5f : 0.0f));
   }
   if (named)
   {

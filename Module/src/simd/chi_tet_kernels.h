@@ -56,6 +56,9 @@ typedef struct chi_tet_scene
   float maximum_of_unit;    /* so much length, by the convention: */
   int32_t image_opacity;    /* 1: 1 - exp(-extinction x length), 0: extinction x length */
   const float (*colors)[3]; /* direct ones of points, or of cells as cell_scalars; NULL */
+  int32_t limited;          /* 1: no more is drawn than what lies between these depths: */
+  float limits[2];
+  float knot; /* share of the way between them where light has a knot */
 } chi_tet_scene;
 
 typedef struct chi_tet_tally
@@ -80,12 +83,27 @@ typedef struct chi_tet_target
                   opacity's, or y, z, w the direct colour there */
   float stop;  /* drawing ends where no transmittance is larger; 0: never */
   chi_tet_cached* cached; /* also here, `count` of them so far; NULL: nowhere */
+  /* What light leaves of colours, of the tile's first pixel: at the knot, and what it would be a
+   * slab before and behind; NULL: all */
+  const float* light[3];
+  size_t light_stride; /* floats from row to row */
   /* picking: */
   float* pick_alpha; /* or NULL */
   uint32_t* pick;
   float* pick_depth;
   float pick_opacity;
 } chi_tet_target;
+
+/* One row of a tile, drawn between limits, as a layer behind what is in the picture. */
+typedef struct chi_tet_slab_row
+{
+  const float* layer; /* [CHI_TET_TILE x 4] premultiplied colour, transmittance */
+  int count;          /* of the tile's pixels, inside of the picture */
+  float* rgba;        /* [count x 4] the picture, likewise */
+  float* tau;         /* [CHI_TET_TILE] optical thickness along the view axis; 0 outside */
+  float slope, slope_x, square; /* a unit of depth is sqrt(square + (slope + x slope_x)^2) long */
+  float opaque;                 /* transmittances that are not larger count as none */
+} chi_tet_slab_row;
 
 /* Where a window's pixels, and tetrahedra on them, are. */
 typedef struct chi_tet_window
@@ -114,6 +132,8 @@ typedef struct chi_tet_kernels
     int32_t tile_y, chi_tet_target* target, chi_tet_tally* tally);
   /* The same from what has been kept of it, under other colours. */
   void (*draw_cached)(const chi_tet_scene* scene, chi_tet_target* target, chi_tet_tally* tally);
+  /* Non-zero: some pixel still lets light through. */
+  int (*merge)(const chi_tet_slab_row* row);
 } chi_tet_kernels;
 
 extern const chi_tet_kernels chi_tet_kernels_generic;

@@ -47,13 +47,15 @@ CHI_INLINE void segment_separate(
 /* What differs from frame to frame, so that each combination has code of its own. */
 typedef struct variant
 {
-  int parallel, separate, cuts, picking, method, shaded, direct;
+  int parallel, separate, cuts, picking, method, shaded, direct, lit;
 } variant;
 
 enum
 {
   METHOD_MAXIMUM = 16 /* beside CHI_PREINTEGRATION_... */
 };
+
+#include "chi_tet_slab.inl"
 
 /* Lengths along the rays, scalars as positions in the table. */
 CHI_INLINE void finish(tile_state* t, const variant u)
@@ -341,7 +343,8 @@ CHI_INLINE void blend_fragments(tile_state* t, const variant u)
     return;
   }
 #if defined(CHI_VEC_AVX2) || defined(CHI_VEC_AVX512)
-  if (u.method == CHI_PREINTEGRATION_PARTIAL && !u.separate && !u.picking && !u.shaded && !u.direct)
+  if (u.method == CHI_PREINTEGRATION_PARTIAL && !u.separate && !u.picking && !u.shaded &&
+    !u.direct && !u.lit)
   {
     if (t->scene->fine)
     {
@@ -385,11 +388,20 @@ CHI_INLINE void blend_fragments(tile_state* t, const variant u)
     transpose(color, source);
     const size_t left = f->count - i;
     const int n = left < CHI_LANES ? (int)left : CHI_LANES;
+    float lit[CHI_LANES];
+    if (u.lit)
+    {
+      find_light(t, i, lit);
+    }
     for (int k = 0; k < n; ++k)
     {
       if (u.shaded)
       {
         light(t->scene, f->id[i + (size_t)k], source[k]);
+      }
+      for (int c = 0; c < 3 && u.lit; ++c)
+      {
+        source[k][c] *= lit[k];
       }
       if (u.picking)
       {
@@ -406,7 +418,7 @@ CHI_INLINE void pad(fragments* f)
   for (size_t i = f->count; i < f->count + CHI_LANES; ++i)
   {
     f->pixel[i] = 0;
-    f->length[i] = f->x0[i] = f->x1[i] = f->y0[i] = f->y1[i] = 0;
+    f->length[i] = f->x0[i] = f->x1[i] = f->y0[i] = f->y1[i] = f->depth[i] = 0;
   }
 }
 
@@ -548,7 +560,7 @@ CHI_INLINE int go_on(
       }
       const vf row = y + (float)at->row;
       evaluate(t, lane, x, row, pixel + (at->row << CHI_TET_TILE_SHIFT), row < (float)height,
-        u.parallel, u.separate, u.direct, u.cuts, u.picking, u.picking | u.shaded);
+        u.parallel, u.separate, u.direct, u.cuts, u.picking, u.lit, u.picking | u.shaded);
     }
     return 1;
   }
@@ -573,7 +585,7 @@ CHI_INLINE int go_on(
       /* beyond the row's end any pixel of the tile will do */
       const vi pixel = (in_row & wanted) + ((y0 + at->row) << CHI_TET_TILE_SHIFT);
       evaluate(t, lane, x, vf_set((float)at->row), pixel, wanted, u.parallel, u.separate, u.direct,
-        u.cuts, u.picking, u.picking | u.shaded);
+        u.cuts, u.picking, u.lit, u.picking | u.shaded);
     }
   }
   return 1;
@@ -704,38 +716,45 @@ CHI_INLINE void draw_tile(const chi_tet_scene* scene, const uint64_t* list, size
   consume(&t, u);
 }
 
-#define CHI_DRAW(name, parallel, separate, cuts, method)                                           \
+#define CHI_DRAW(name, parallel, separate, cuts, method, lit)                                      \
   static __attribute__((noinline)) void name(const chi_tet_scene* scene, const uint64_t* list,     \
     size_t count, int32_t tile_x, int32_t tile_y, chi_tet_target* target, chi_tet_tally* tally)    \
   {                                                                                                \
     draw_tile(scene, list, count, tile_x, tile_y, target, tally,                                   \
-      (variant){ parallel, separate, cuts, 0, method, 0, 0 });                                     \
+      (variant){ parallel, separate, cuts, 0, method, 0, 0, lit });                                \
   }
-CHI_DRAW(draw_none, 0, 0, 0, CHI_PREINTEGRATION_NONE)
-CHI_DRAW(draw_partial, 0, 0, 0, CHI_PREINTEGRATION_PARTIAL)
-CHI_DRAW(draw_full, 0, 0, 0, CHI_PREINTEGRATION_FULL)
-CHI_DRAW(draw_partial_cut, 0, 0, 1, CHI_PREINTEGRATION_PARTIAL)
+CHI_DRAW(draw_none, 0, 0, 0, CHI_PREINTEGRATION_NONE, 0)
+CHI_DRAW(draw_partial, 0, 0, 0, CHI_PREINTEGRATION_PARTIAL, 0)
+CHI_DRAW(draw_full, 0, 0, 0, CHI_PREINTEGRATION_FULL, 0)
+CHI_DRAW(draw_partial_cut, 0, 0, 1, CHI_PREINTEGRATION_PARTIAL, 0)
+CHI_DRAW(draw_partial_lit, 0, 0, 1, CHI_PREINTEGRATION_PARTIAL, 1)
+CHI_DRAW(draw_full_lit, 0, 0, 1, CHI_PREINTEGRATION_FULL, 1)
 
 /* Everything that is rarer, by one code. */
 static __attribute__((noinline)) void draw_any(const chi_tet_scene* scene, const uint64_t* list,
   size_t count, int32_t tile_x, int32_t tile_y, chi_tet_target* target, chi_tet_tally* tally)
 {
-  const variant u = { scene->parallel, scene->separate, scene->depth || scene->plane_count,
-    target->pick_alpha != NULL, scene->maximum ? METHOD_MAXIMUM : scene->tables->method,
-    scene->shades != NULL, scene->colors != NULL };
+  const variant u = { scene->parallel, scene->separate,
+    scene->depth || scene->plane_count || scene->limited, target->pick_alpha != NULL,
+    scene->maximum ? METHOD_MAXIMUM : scene->tables->method, scene->shades != NULL,
+    scene->colors != NULL, target->light[0] != NULL };
   draw_tile(scene, list, count, tile_x, tile_y, target, tally, u);
 }
 
 static void draw(const chi_tet_scene* scene, const uint64_t* list, size_t count, int32_t tile_x,
   int32_t tile_y, chi_tet_target* target, chi_tet_tally* tally)
 {
-  const int cuts = scene->depth || scene->plane_count;
-  const int plain = !scene->parallel && !scene->separate && !target->pick_alpha &&
+  const int cuts = scene->depth || scene->plane_count || scene->limited;
+  const int lit = target->light[0] != NULL;
+  const int common = !scene->parallel && !scene->separate && !target->pick_alpha &&
     !scene->maximum && !scene->shades && !scene->colors;
+  const int plain = common && !lit;
   const int method = scene->tables->method;
-  (plain && !cuts && method == CHI_PREINTEGRATION_PARTIAL     ? draw_partial
-      : plain && cuts && method == CHI_PREINTEGRATION_PARTIAL ? draw_partial_cut
-      : plain && !cuts && method == CHI_PREINTEGRATION_FULL   ? draw_full
+  (common && lit && method == CHI_PREINTEGRATION_PARTIAL       ? draw_partial_lit
+      : common && lit && method == CHI_PREINTEGRATION_FULL     ? draw_full_lit
+      : plain && !cuts && method == CHI_PREINTEGRATION_PARTIAL ? draw_partial
+      : plain && cuts && method == CHI_PREINTEGRATION_PARTIAL  ? draw_partial_cut
+      : plain && !cuts && method == CHI_PREINTEGRATION_FULL    ? draw_full
       : plain && !cuts && method == CHI_PREINTEGRATION_NONE
       ? draw_none
       : draw_any)(scene, list, count, tile_x, tile_y, target, tally);
@@ -743,10 +762,10 @@ static void draw(const chi_tet_scene* scene, const uint64_t* list, size_t count,
 
 static void draw_cached(const chi_tet_scene* scene, chi_tet_target* target, chi_tet_tally* tally)
 {
-  const variant u = { scene->parallel, 0, 0, 0, scene->tables->method, 0, 0 };
+  const variant u = { scene->parallel, 0, 0, 0, scene->tables->method, 0, 0, 0 };
   if (u.method == CHI_PREINTEGRATION_PARTIAL)
   {
-    draw_kept(scene, target, tally, (variant){ 0, 0, 0, 0, CHI_PREINTEGRATION_PARTIAL, 0, 0 });
+    draw_kept(scene, target, tally, (variant){ 0, 0, 0, 0, CHI_PREINTEGRATION_PARTIAL, 0, 0, 0 });
   }
   else
   {
