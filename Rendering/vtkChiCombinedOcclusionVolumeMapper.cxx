@@ -77,6 +77,22 @@ vtkChiCombinedOcclusionVolumeMapper::~vtkChiCombinedOcclusionVolumeMapper()
 }
 
 //------------------------------------------------------------------------------
+void vtkChiCombinedOcclusionVolumeMapper::SetTransferFunction2D(vtkChiTransferFunction2D* function)
+{
+  if (function != this->GetTransferFunction2D())
+  {
+    this->Internal->Input.GetShading()->GetPlane()->SetFunction(function);
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+vtkChiTransferFunction2D* vtkChiCombinedOcclusionVolumeMapper::GetTransferFunction2D()
+{
+  return this->Internal->Input.GetShading()->GetPlane()->GetFunction();
+}
+
+//------------------------------------------------------------------------------
 void vtkChiCombinedOcclusionVolumeMapper::SetGeometryOcclusion(bool on)
 {
   this->SetVolumeToGeometry(on);

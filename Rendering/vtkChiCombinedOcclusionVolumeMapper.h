@@ -89,6 +89,7 @@
 
 #include <memory> // for std::unique_ptr
 
+class vtkChiTransferFunction2D;
 class vtkImageData;
 
 class VTKCHIRENDERING_EXPORT vtkChiCombinedOcclusionVolumeMapper : public vtkVolumeMapper
@@ -213,7 +214,8 @@ public:
   ///@{
   /**
    * Distance between the slices along the view axis, in world units. 0, the default, takes it from
-   * the spacing of the input: one slice a voxel.
+   * the spacing of the input: one slice a voxel. Under a two-dimensional transfer function no more
+   * than that.
    */
   vtkSetClampMacro(SampleDistance, double, 0.0, VTK_DOUBLE_MAX);
   vtkGetMacro(SampleDistance, double);
@@ -221,10 +223,21 @@ public:
 
   ///@{
   /**
-   * The array along the y axis of a two-dimensional transfer function (vtkVolumeProperty::TF_2D),
-   * of the points or cells that the scalars are of; its first component over its own range. None,
-   * the default, stands for the magnitude of the gradient. As in vtkGPUVolumeRayCastMapper, but for
-   * the opacity, which is corrected for the distance of the slices.
+   * Colour and opacity over two quantities, in place of all transfer functions of
+   * vtkVolumeProperty, whose unit distance holds; opacity is corrected for the distance of the
+   * slices, and integrated along the scalar. Null, the default: vtkVolumeProperty's.
+   */
+  void SetTransferFunction2D(vtkChiTransferFunction2D* function);
+  vtkChiTransferFunction2D* GetTransferFunction2D();
+  ///@}
+
+  ///@{
+  /**
+   * The array along the y axis of a two-dimensional transfer function (SetTransferFunction2D, or
+   * vtkVolumeProperty::TF_2D), of the points or cells that the scalars are of; its first component
+   * over its own range. None, the default, stands for the magnitude of the gradient. As in
+   * vtkGPUVolumeRayCastMapper, but for the opacity, which is corrected for the distance of the
+   * slices.
    */
   vtkSetStringMacro(Transfer2DYAxisArray);
   vtkGetStringMacro(Transfer2DYAxisArray);

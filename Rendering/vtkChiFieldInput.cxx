@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkChiFieldInput.h"
 #include "vtkChiInputTools.h"
+#include "vtkChiPlaneInput.h"
 #include "vtkChiShadingInput.h"
 #include "vtkChiViews.h"
 
@@ -65,7 +66,7 @@ void vtkChiFieldInput::AddLimits(vtkVolumeProperty* property)
     this->Limits.push_back(limit);
   }
   if (vtkChiShadingInput::GetGradientOpacityTime(property) != 0 ||
-    vtkChiShadingInput::GetPlaneTime(property) != 0)
+    vtkChiPlaneInput().GetTime(property) != 0)
   {
     this->Limits.emplace_back("gradient opacity and two-dimensional transfer functions "
                               "(vtkVolumeProperty) are not supported for tetrahedra: they are left "

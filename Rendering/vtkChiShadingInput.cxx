@@ -4,13 +4,11 @@
 
 #include "vtkCollection.h"
 #include "vtkDataArray.h"
-#include "vtkImageData.h"
 #include "vtkLight.h"
 #include "vtkLightCollection.h"
 #include "vtkMath.h"
 #include "vtkMatrix4x4.h"
 #include "vtkPiecewiseFunction.h"
-#include "vtkPointData.h"
 #include "vtkRenderer.h"
 #include "vtkVolumeProperty.h"
 
@@ -23,21 +21,6 @@ constexpr int GradientEntries = 4097;
 
 // The ray caster takes a gradient over a quarter of the scalar range to be the largest.
 constexpr double LargestGradient = 0.25;
-
-// One value, or none, has a range too.
-void findRange(vtkDataArray* samples, double range[2])
-{
-  samples->GetFiniteRange(range, 0);
-  if (!(range[0] <= range[1]))
-  {
-    range[0] = 0.0;
-    range[1] = 1.0;
-  }
-  if (!(range[1] - range[0] > 1e-12 * std::abs(range[0])))
-  {
-    range[1] = range[0] + std::max(std::abs(range[0]) * 1e-6, 1e-30);
-  }
-}
 
 double notNegative(double value)
 {
@@ -91,7 +74,7 @@ void vtkChiShadingInput::CollectLights(
   this->Shading.specular = notNegative(property->GetSpecular(0));
   this->Shading.specular_power = notNegative(property->GetSpecularPower(0));
   // it clamps no colours of two-dimensional transfer functions
-  this->Shading.unclamped = GetPlaneTime(property) > 1 ? 1 : 0;
+  this->Shading.unclamped = this->Plane.GetTime(property) > 1 ? 1 : 0;
   this->Shading.two_sided = renderer->GetTwoSidedLighting() ? 1 : 0;
   // The ray caster's ambient light: of the volume's colour under one headlight, and else the
   // lights' own.
@@ -178,68 +161,4 @@ void vtkChiShadingInput::CollectGradientOpacity(
     transfer->gradient_opacity = this->GradientOpacities.data();
     transfer->gradient_count = GradientEntries;
   }
-}
-
-//------------------------------------------------------------------------------
-std::uint64_t vtkChiShadingInput::GetPlaneTime(vtkVolumeProperty* property)
-{
-  const bool asked = property->GetTransferFunctionMode() == vtkVolumeProperty::TF_2D;
-  vtkImageData* image = asked ? property->GetTransferFunction2D(0) : nullptr;
-  return image ? image->GetMTime() + 1 : asked ? 1 : 0;
-}
-
-//------------------------------------------------------------------------------
-// As the ray caster reads it: x spans the range of the samples, y a quarter of it, or the range of
-// the other array; the image's own origin and spacing say nothing.
-void vtkChiShadingInput::CollectPlane(vtkVolumeProperty* property, vtkDataArray* samples,
-  vtkDataArray* second, chi_transfer_view* transfer)
-{
-  this->PlaneProblem.clear();
-  transfer->plane = nullptr;
-  transfer->y_samples = nullptr;
-  if (GetPlaneTime(property) == 0)
-  {
-    return;
-  }
-  vtkImageData* image = property->GetTransferFunction2D(0);
-  vtkDataArray* table = image ? image->GetPointData()->GetScalars() : nullptr;
-  int dimensions[3] = { 0, 0, 0 };
-  if (image)
-  {
-    image->GetDimensions(dimensions);
-  }
-  const vtkIdType entries = static_cast<vtkIdType>(dimensions[0]) * dimensions[1];
-  if (!table || table->GetNumberOfComponents() != 4 || table->GetNumberOfTuples() < entries ||
-    dimensions[0] < 2 || dimensions[1] < 2 || dimensions[0] > 65536 || dimensions[1] > 65536 ||
-    entries > (1 << 22))
-  {
-    this->PlaneProblem = "the two-dimensional transfer function (vtkVolumeProperty) is no image of "
-                         "2 x 2 to 2^22 points with four components: the one-dimensional ones are "
-                         "used";
-    return;
-  }
-  this->Plane.resize(4 * static_cast<std::size_t>(entries));
-  for (std::size_t i = 0; i < this->Plane.size(); ++i)
-  {
-    const vtkIdType tuple = static_cast<vtkIdType>(i / 4);
-    this->Plane[i] = static_cast<float>(table->GetComponent(tuple, static_cast<int>(i % 4)));
-  }
-  for (int axis = 0; axis < 2; ++axis)
-  {
-    transfer->plane_count[axis] = static_cast<std::size_t>(dimensions[axis]);
-  }
-  findRange(samples, transfer->range);
-  transfer->plane_range[0] = 0.0;
-  transfer->plane_range[1] = LargestGradient * (transfer->range[1] - transfer->range[0]);
-  if (second)
-  {
-    findRange(second, transfer->plane_range);
-    this->Second.resize(static_cast<std::size_t>(second->GetNumberOfTuples()));
-    for (std::size_t i = 0; i < this->Second.size(); ++i)
-    {
-      this->Second[i] = static_cast<float>(second->GetComponent(static_cast<vtkIdType>(i), 0));
-    }
-    transfer->y_samples = this->Second.data();
-  }
-  transfer->plane = this->Plane.data();
 }

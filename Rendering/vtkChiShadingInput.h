@@ -3,6 +3,8 @@
 #ifndef vtkChiShadingInput_h
 #define vtkChiShadingInput_h
 
+#include "vtkChiPlaneInput.h"
+
 #include <chiaroscuro/chi_shading.h>
 #include <chiaroscuro/chi_transfer.h>
 
@@ -28,13 +30,8 @@ public:
   void CollectGradientOpacity(
     vtkVolumeProperty* property, vtkDataArray* samples, chi_transfer_view* transfer);
 
-  // Adds the transfer function of two quantities to `transfer`, where the property has one;
-  // `second` is the array along its y axis, null for the gradient.
-  void CollectPlane(vtkVolumeProperty* property, vtkDataArray* samples, vtkDataArray* second,
-    chi_transfer_view* transfer);
-
-  // Changes whenever that function does; 0 where it is not asked for.
-  static std::uint64_t GetPlaneTime(vtkVolumeProperty* property);
+  // The transfer function of two quantities, instead of all others where there is one.
+  vtkChiPlaneInput* GetPlane() { return &this->Plane; }
 
   // Time stamp of the gradient opacity, 0 where it is not asked for.
   static std::uint64_t GetGradientOpacityTime(vtkVolumeProperty* property);
@@ -42,8 +39,6 @@ public:
   // Null: the volume is unlit.
   const chi_shading_view* GetShading() const { return this->Lit ? &this->Shading : nullptr; }
   const std::vector<std::string>& GetLimits() const { return this->Limits; }
-  // Empty, or why the transfer function of two quantities is not used.
-  const std::string& GetPlaneProblem() const { return this->PlaneProblem; }
 
 private:
   void AddLight(vtkLight* light, const double* view);
@@ -52,9 +47,7 @@ private:
   chi_shading_view Shading = {};
   std::vector<chi_shading_light> Lights;
   std::vector<float> GradientOpacities;
-  std::vector<float> Plane;
-  std::string PlaneProblem;
-  std::vector<float> Second;
+  vtkChiPlaneInput Plane;
   std::vector<std::string> Limits;
 };
 

@@ -214,9 +214,9 @@ bool vtkChiVolumeInput::CollectClips(
 //------------------------------------------------------------------------------
 void vtkChiVolumeInput::AddPlaneLimit()
 {
-  if (!this->Shading.GetPlaneProblem().empty())
+  if (!this->Shading.GetPlane()->GetProblem().empty())
   {
-    this->Limits.push_back(this->Shading.GetPlaneProblem());
+    this->Limits.push_back(this->Shading.GetPlane()->GetProblem());
   }
 }
 
@@ -224,7 +224,7 @@ void vtkChiVolumeInput::AddPlaneLimit()
 // The array along the second axis of a two-dimensional transfer function; null for the gradient.
 vtkDataArray* vtkChiVolumeInput::FindSecond(vtkVolumeProperty* property, vtkImageData* image)
 {
-  if (this->SecondName.empty() || vtkChiShadingInput::GetPlaneTime(property) == 0)
+  if (this->SecondName.empty() || this->Shading.GetPlane()->GetTime(property) == 0)
   {
     return nullptr;
   }
@@ -266,7 +266,7 @@ int vtkChiVolumeInput::CountComponents(vtkVolumeProperty* property)
       vtkChiDescribe(this->Scalars));
   }
   if (property->GetShade(0) || vtkChiShadingInput::GetGradientOpacityTime(property) != 0 ||
-    vtkChiShadingInput::GetPlaneTime(property) != 0)
+    this->Shading.GetPlane()->GetTime(property) != 0)
   {
     this->Limits.emplace_back("shading by gradients, gradient opacity and two-dimensional transfer "
                               "functions are not supported yet for several components: they are "
@@ -295,8 +295,8 @@ bool vtkChiVolumeInput::CollectTransfer(
     this->Functions[0].Collect(property, 0, own, this->Samples, own, this->Volume.version, time);
   std::vector<std::string> limits = { this->Functions[0].GetLimit() };
   const std::array<std::uint64_t, 5> key = { vtkChiShadingInput::GetGradientOpacityTime(property),
-    vtkChiShadingInput::GetPlaneTime(property), vtkChiBits(second), second ? second->GetMTime() : 0,
-    static_cast<std::uint64_t>(count) };
+    this->Shading.GetPlane()->GetTime(property), vtkChiBits(second),
+    second ? second->GetMTime() : 0, static_cast<std::uint64_t>(count) };
   if (changed || key != this->ShadingKey)
   {
     const std::uint64_t version = this->Transfer.version;
@@ -306,7 +306,7 @@ bool vtkChiVolumeInput::CollectTransfer(
     if (count == 1)
     {
       this->Shading.CollectGradientOpacity(property, this->Samples, &this->Transfer);
-      this->Shading.CollectPlane(property, this->Samples, second, &this->Transfer);
+      this->Shading.GetPlane()->Collect(property, this->Samples, second, &this->Transfer);
     }
   }
   if (count == 1)

@@ -256,6 +256,11 @@ chi_status chi_scene_build(
     scene->voxel = (scene->parallel ? 1 : surface_near) / fabs(scene->pixels_x);
   }
   scene->slice = params->sample_distance > 0 ? params->sample_distance : scene->voxel;
+  if (frame->volume && frame->transfer->plane)
+  {
+    /* Integrated along the scalar alone: the other quantity must not change much in a slice. */
+    scene->slice = fmin(scene->slice, scene->voxel);
+  }
   scene->slice *= params->coarsening > 0 ? params->coarsening : 1;
   const double ratio = scene->voxel / scene->slice * (1 + 1e-9);
   if (!(ratio < 0x1p24))

@@ -94,7 +94,8 @@ typedef struct chi_occlusion_params
   double
     cone_angle_rad; /**< half angle of the cone of light, 1 ... 85 degrees; default 45 degrees */
   double strength;  /**< 0 = unshaded ray cast ... 1; default 1 */
-  double sample_distance; /**< between slices along the view axis, world units; 0 = one voxel */
+  double sample_distance; /**< between slices along the view axis, world units; 0 = one voxel; with
+                             a transfer function of two quantities at most one voxel */
   double bias;            /**< visibility is read so much nearer to the eye, world units; negative
                                (default) = 1.5 voxels for geometry and probes, and for matter
                                another half voxel, or half a slice where that is longer */
