@@ -318,6 +318,7 @@ void vtkChiProjectedTetrahedraMapper::CollectParameters(vtkRenderer* renderer, v
   chi_tet_default_params(&params);
   params.order = this->VisibilityOrder;
   params.pre_integration = this->PreIntegration;
+  params.projection = this->Projection;
   params.opacity_convention = this->OpacityConvention;
   params.blend =
     this->BlendMode == MAXIMUM_INTENSITY_BLEND ? CHI_TET_BLEND_MAXIMUM : CHI_TET_BLEND_COMPOSITE;

@@ -86,6 +86,10 @@ std::string vtkChiTetGL::WhyNot(vtkOpenGLRenderWindow* window, const chi_tet_fra
     return "the OpenGL engine looks colours up, and does not draw given ones (four dependent "
            "components)";
   }
+  if (frame.params->projection == CHI_TET_PROJECTION_PUBLISHED)
+  {
+    return "the published projection is drawn by the CPU engine alone";
+  }
   int version[2] = { 0, 0 };
   window->GetOpenGLVersion(version[0], version[1]);
   return version[0] * 10 + version[1] < 32 ? "the OpenGL engine needs OpenGL 3.2" : "";

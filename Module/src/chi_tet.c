@@ -54,7 +54,7 @@ typedef struct bin_key
 typedef struct draw_key
 {
   uint64_t tables;
-  int64_t blend, skip, size[2];
+  int64_t blend, skip, size[2], projection;
   const void* depth;
   uint64_t surface;
   chi_shading_key shading;
@@ -75,6 +75,7 @@ typedef struct cache_key
   const void* depth;
   double range[2];
   size_t count;
+  int64_t projection;
 } cache_key;
 
 struct chi_tet
@@ -228,7 +229,8 @@ static int params_are_valid(const chi_tet_params* p)
     p->pre_integration <= CHI_PREINTEGRATION_FULL &&
     (p->opacity_convention == CHI_OPACITY_LINEAR || p->opacity_convention == CHI_OPACITY_IMAGE) &&
     (p->blend == CHI_TET_BLEND_COMPOSITE || p->blend == CHI_TET_BLEND_MAXIMUM) && p->skip >= 0 &&
-    p->reduction >= 0 && p->reduction <= 8 && chi_tet_occlusion_is_valid(p);
+    p->reduction >= 0 && p->reduction <= 8 && p->projection >= CHI_TET_PROJECTION_EXACT &&
+    p->projection <= CHI_TET_PROJECTION_PUBLISHED && chi_tet_occlusion_is_valid(p);
 }
 
 /* The frame as one of ours, checked. The grid, the arrays and the transfer function are checked in
@@ -530,6 +532,7 @@ static void report(chi_tet_stats* stats, const chi_tet_tally* tally)
   stats->drawn = tally->tetrahedra;
   stats->fragments = tally->fragments;
   stats->delicate = tally->delicate;
+  stats->drawn_exactly = tally->left;
   stats->skipped[5] = tally->saturated;
 }
 
@@ -589,6 +592,7 @@ static draw_key key_of_draw(const chi_tet* tet, const chi_tet_frame* f, const ch
   key.surface = f->surface ? f->surface->version : 0;
   chi_shading_make_key(&key.shading, f->shading);
   chi_tet_occlusion_key(f->params, key.occlusion);
+  key.projection = f->params->projection;
   key.size[0] = full->width;
   key.size[1] = full->height;
   return key;
@@ -755,6 +759,7 @@ static int use_cache(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* f)
   key.surface = f->surface ? f->surface->version : 0;
   memcpy(key.range, tet->tables.range, sizeof key.range);
   key.count = (size_t)tet->tables.count;
+  key.projection = f->params->projection;
   if (!f->params->fragment_cache_bytes || tet->values.separate || tet->values.direct ||
     f->params->blend != CHI_TET_BLEND_COMPOSITE || f->shading ||
     !(f->params->skip & CHI_TET_SKIP_UNCHANGED))
@@ -804,9 +809,8 @@ static chi_status draw(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* 
     chi_tet_occlusion_result result;
     const chi_status status =
       chi_tet_occlude(exec, &tet->occlusion, &tet->bins, &scene, f, tet->cell, rgba, &result);
-    s->drawn = result.tally.tetrahedra;
-    s->fragments = result.tally.fragments;
-    s->delicate = result.tally.delicate;
+    tet->tally = result.tally;
+    report(s, &tet->tally);
     s->seconds_light = result.seconds_light;
     s->bytes_occlusion = result.bytes;
     s->light_slabs = result.slabs;
@@ -817,7 +821,8 @@ static chi_status draw(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* 
   const chi_tet_pass pass = { .skip_saturated = f->params->skip & CHI_TET_SKIP_SATURATED,
     .rgba = rgba,
     .cache = cache,
-    .cache_use = use };
+    .cache_use = use,
+    .published = f->params->projection == CHI_TET_PROJECTION_PUBLISHED };
   const chi_status status = chi_tet_draw(exec, &tet->bins, &scene, &pass, &tet->tally);
   cache->is_counted = status == CHI_OK && (use == CHI_TET_CACHE_COUNT || cache->is_counted);
   cache->is_full = status == CHI_OK && (use == CHI_TET_CACHE_WRITE || cache->is_full);

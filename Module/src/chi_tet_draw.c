@@ -103,6 +103,8 @@ static void draw_tile(draw_job* job, size_t tile)
   const uint64_t* const list = (const uint64_t*)job->bins->list.data + starts[tile];
   const size_t count = starts[tile + 1] - starts[tile];
   chi_tet_target target = { .rgba = rgba, .stop = s->maximum ? 0 : job->stop };
+  chi_tet_projector published = { .draw = chi_tet_publish };
+  target.projector = job->pass->published ? &published : NULL;
   chi_tet_cached cached;
   if (job->pass->cache_use == CHI_TET_CACHE_WRITE || job->pass->cache_use == CHI_TET_CACHE_READ)
   {
@@ -122,6 +124,7 @@ static void draw_tile(draw_job* job, size_t tile)
   if (!job->pass->picks)
   {
     job->kernels->draw(s, list, count, x0, y0, &target, job->tally + tile);
+    job->tally[tile].left = published.left;
     store_tile(job, rgba, x0, y0);
     return;
   }
@@ -214,6 +217,7 @@ chi_status chi_tet_draw(const chi_exec* exec, chi_tet_bins* bins, const chi_tet_
     tally->delicate += each[i].delicate;
     tally->fragments += each[i].fragments;
     tally->saturated += each[i].saturated;
+    tally->left += each[i].left;
   }
   return status;
 }

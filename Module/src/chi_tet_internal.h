@@ -138,7 +138,12 @@ typedef struct chi_tet_pass
   const chi_tet_picks* picks; /* or NULL */
   chi_tet_cache* cache;
   int cache_use; /* CHI_TET_CACHE_... */
+  int published; /* by CHI_TET_PROJECTION_PUBLISHED; not with `picks` */
 } chi_tet_pass;
+
+/* chi_tet_projector: a tetrahedron by the published projection. */
+int chi_tet_publish(chi_tet_projector* projector, const chi_tet_scene* scene, uint32_t tetrahedron,
+  const int32_t tile[2], chi_tet_sink* sink);
 
 chi_status chi_tet_draw(const chi_exec* exec, chi_tet_bins* bins, const chi_tet_scene* scene,
   const chi_tet_pass* pass, chi_tet_tally* tally);

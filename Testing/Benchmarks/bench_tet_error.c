@@ -2,7 +2,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 
 /* Run time against error of tetrahedra: methods of pre-integration against the exact slow path, a
- * homogeneous cube against its closed form; 256^2 pixels, one thread, errors in units of 1/255. */
+ * homogeneous cube against its closed form, and both by the published projection ("published", and
+ * the method); 256^2 pixels, one thread, errors in units of 1/255. */
 #include "chi_bench.h"
 #include "tet_frame.h"
 #include "tet_reference.h"
@@ -59,29 +60,34 @@ static void bench_homogeneous(size_t n, int view, int parallel)
   tet_mesh* const mesh = tet_mesh_cubes(n, TET_CONSTANT);
   scene s;
   make_scene(&s, mesh, view, parallel, SIZE);
-  chi_tet* const tet = make_renderer();
-  const double time = time_frame(tet, &s);
-  chi_tet_image image;
-  chi_tet_get_image(tet, &image);
-  double sum = 0, most = 0;
-  int64_t count = 0;
-  for (int i = 0; i < SIZE * SIZE; ++i)
-  {
-    const double length = tet_reference_cube_length(&s.camera, i % SIZE + 0.5, i / SIZE + 0.5);
-    if (length > 0.15) /* as the issue has it */
-    {
-      const double error = 255 * fabs((double)image.rgba[4 * i + 3] + expm1(-0.3 * length));
-      sum += error;
-      most = error > most ? error : most;
-      ++count;
-    }
-  }
   char name[64], parameter[32];
   snprintf(name, sizeof name, "cube %s %s", names[view], parallel ? "parallel" : "perspective");
   snprintf(parameter, sizeof parameter, "n = %zu", n);
-  print_errors(
-    name, "partial", parameter, mesh->count, time, count ? sum / (double)count : 0, most);
-  chi_tet_destroy(NULL, tet);
+  for (int32_t projection = CHI_TET_PROJECTION_EXACT; projection <= CHI_TET_PROJECTION_PUBLISHED;
+       ++projection)
+  {
+    s.params.projection = projection;
+    chi_tet* const tet = make_renderer();
+    const double time = time_frame(tet, &s);
+    chi_tet_image image;
+    chi_tet_get_image(tet, &image);
+    double sum = 0, most = 0;
+    int64_t count = 0;
+    for (int i = 0; i < SIZE * SIZE; ++i)
+    {
+      const double length = tet_reference_cube_length(&s.camera, i % SIZE + 0.5, i / SIZE + 0.5);
+      if (length > 0.15) /* as the issue has it */
+      {
+        const double error = 255 * fabs((double)image.rgba[4 * i + 3] + expm1(-0.3 * length));
+        sum += error;
+        most = error > most ? error : most;
+        ++count;
+      }
+    }
+    print_errors(name, projection ? "published partial" : "partial", parameter, mesh->count, time,
+      count ? sum / (double)count : 0, most);
+    chi_tet_destroy(NULL, tet);
+  }
   tet_mesh_free(mesh);
 }
 
@@ -112,9 +118,12 @@ static void bench_colors(
     .tables = &tables };
   double* const wanted = (double*)malloc(SIZE * SIZE * 4 * sizeof(double));
   tet_reference_render(&exact, wanted, NULL);
-  for (int32_t method = CHI_PREINTEGRATION_NONE; method <= CHI_PREINTEGRATION_FULL; ++method)
+  static const int32_t last = CHI_PREINTEGRATION_FULL;
+  for (int32_t way = CHI_PREINTEGRATION_NONE; way <= 2 * last; ++way) /* then all published */
   {
+    const int32_t method = way > last ? way - last : way;
     s.params.pre_integration = method;
+    s.params.projection = way > last ? CHI_TET_PROJECTION_PUBLISHED : CHI_TET_PROJECTION_EXACT;
     chi_tet* const tet = make_renderer();
     const double time = time_frame(tet, &s);
     chi_tet_image image;
@@ -131,7 +140,9 @@ static void bench_colors(
         ++count;
       }
     }
-    print_errors(name, names[method], "", mesh->count, time, sum / (double)count, most);
+    char label[64];
+    snprintf(label, sizeof label, "%s%s", way > last ? "published " : "", names[method]);
+    print_errors(name, label, "", mesh->count, time, sum / (double)count, most);
     chi_tet_destroy(NULL, tet);
   }
   free(wanted);

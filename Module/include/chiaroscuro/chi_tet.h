@@ -65,6 +65,18 @@ enum
                                  scalars are linear, so it lies at an end of a segment */
 };
 
+/** Where the ends of a ray's part in a tetrahedron come from. */
+enum
+{
+  CHI_TET_PROJECTION_EXACT = 0,    /**< the planes of its faces, at every pixel */
+  CHI_TET_PROJECTION_PUBLISHED = 1 /**< to compare with, slowly: Shirley & Tuchman's triangles about
+                                        the point where the tetrahedron is thickest, thickness and
+                                        scalars linear on the screen between their corners, where
+                                        they are exact. What the near plane, a clip plane or the
+                                        surface cuts is drawn exactly, and counted; so is all
+                                        where there is occlusion, without a count */
+};
+
 /** Work that is left out because it changes no picture by more than 1/255; bits of
  * chi_tet_params.skip. Bit 0 stands for every kind, those of later versions included. */
 enum
@@ -90,9 +102,10 @@ typedef struct chi_tet_params
   int32_t skip;                    /**< CHI_TET_SKIP_...; default all */
   int32_t automatic_unit_distance; /**< non-zero: in place of the transfer function's unit distance
                                         the cube root of the mesh's volume a cell; default 0 */
-  int32_t reduction; /**< 2 ... 8: a picture of so many times fewer pixels a side, enlarged
-                          bilinearly; 0, 1: full (default). Cells are never left out */
-  int32_t reserved;
+  int32_t reduction;  /**< 2 ... 8: a picture of so many times fewer pixels a side, enlarged
+                           bilinearly; 0, 1: full (default). Cells are never left out */
+  int32_t projection; /**< CHI_TET_PROJECTION_...; default exact. Of pictures alone: cells are
+                         found, violations counted and plans made by exact ones */
   size_t fragment_cache_bytes; /**< what may be kept of fragments, 10 bytes each, so that a view
                                   that stands is drawn faster under the third and later transfer
                                     functions; scalars are rounded to 1/65535 of the range; 0: none
@@ -168,6 +181,7 @@ typedef struct chi_tet_stats
   double seconds_light;   /**< of seconds_draw: light through the slabs; 0 without occlusion */
   size_t bytes_occlusion; /**< of light planes and the slabs' lists, kept from frame to frame */
   int64_t light_slabs;    /**< passed before all was opaque or drawn; 0 without occlusion */
+  int64_t drawn_exactly;  /**< of drawn: what the published projection has left to the exact one */
 } chi_tet_stats;
 
 /** The defaults named above. Infallible. */

@@ -374,7 +374,7 @@ CHI_INLINE void evaluate(tile_state* t, int lane, vf x, vf y, vi pixel, vi wante
   for (int k = 0; k < 3 && direct; ++k)
   {
     vf ends[2];
-    evaluate_ends(r, COLORS + k, lane, x, y, entry, dz, parallel, ends);
+    evaluate_ends(r, CHI_TET_COLORS + k, lane, x, y, entry, dz, parallel, ends);
     compress(t->colors[0][k] + n, mask, ends[0]);
     compress(t->colors[1][k] + n, mask, ends[1]);
   }

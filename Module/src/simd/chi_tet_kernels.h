@@ -15,7 +15,9 @@ enum
   CHI_TET_TILE = 64, /* pixels a side: 64 KB of floats, half of a second cache's share */
   CHI_TET_TILE_SHIFT = 6,
   CHI_TET_TILE_PIXELS = CHI_TET_TILE * CHI_TET_TILE,
-  CHI_TET_CUTS = 32 /* clip planes */
+  CHI_TET_CUTS = 32,      /* clip planes */
+  CHI_TET_QUANTITIES = 5, /* that may be linear in a tetrahedron: scalar, the opacity's, */
+  CHI_TET_COLORS = 2      /* and from here direct colours */
 };
 
 /* World units. Tetrahedra with a vertex that is farther from the eye along an axis are left out:
@@ -63,7 +65,7 @@ typedef struct chi_tet_scene
 
 typedef struct chi_tet_tally
 {
-  int64_t tetrahedra, flat, delicate, fragments, saturated;
+  int64_t tetrahedra, flat, delicate, fragments, saturated, left;
 } chi_tet_tally;
 
 /* Fragments of a tile, front to back, as they are kept from frame to frame. */
@@ -74,6 +76,38 @@ typedef struct chi_tet_cached
   float* length;       /* world units */
   size_t count;
 } chi_tet_cached;
+
+/* A tetrahedron at a pixel, found by other means than the planes of its faces. */
+typedef struct chi_tet_fragment
+{
+  int32_t pixel;                      /* of the tile */
+  float length;                       /* along the view axis */
+  float value[CHI_TET_QUANTITIES][2]; /* where the ray enters and leaves */
+} chi_tet_fragment;
+
+/* Takes them, in the order of visibility, to their pixels. */
+typedef struct chi_tet_sink chi_tet_sink;
+struct chi_tet_sink
+{
+  void (*put)(chi_tet_sink* sink, uint32_t tetrahedron, const chi_tet_fragment* fragment);
+};
+
+/* What a projector leaves of a tetrahedron to be drawn by its planes. */
+enum
+{
+  CHI_TET_REST_NONE,
+  CHI_TET_REST_ALL
+};
+
+/* Other means. */
+typedef struct chi_tet_projector chi_tet_projector;
+struct chi_tet_projector
+{
+  /* One tetrahedron at the pixels of the tile whose first is `tile`; CHI_TET_REST_... */
+  int (*draw)(chi_tet_projector* projector, const chi_tet_scene* scene, uint32_t tetrahedron,
+    const int32_t tile[2], chi_tet_sink* sink);
+  int64_t left; /* tetrahedra that it has left to their planes */
+};
 
 /* Where the fragments of a tile go. */
 typedef struct chi_tet_target
@@ -86,7 +120,8 @@ typedef struct chi_tet_target
   /* What light leaves of colours, of the tile's first pixel: at the knot, and what it would be a
    * slab before and behind; NULL: all */
   const float* light[3];
-  size_t light_stride; /* floats from row to row */
+  size_t light_stride;          /* floats from row to row */
+  chi_tet_projector* projector; /* where they come from first; NULL: planes alone */
   /* picking: */
   float* pick_alpha; /* or NULL */
   uint32_t* pick;

@@ -47,7 +47,7 @@ CHI_INLINE void segment_separate(
 /* What differs from frame to frame, so that each combination has code of its own. */
 typedef struct variant
 {
-  int parallel, separate, cuts, picking, method, shaded, direct, lit;
+  int parallel, separate, cuts, picking, method, shaded, direct, lit, projected;
 } variant;
 
 enum
@@ -591,6 +591,45 @@ CHI_INLINE int go_on(
   return 1;
 }
 
+/* The end of a projector's pipe. */
+typedef struct tile_sink
+{
+  chi_tet_sink sink;
+  tile_state* tile;
+  variant variant;
+} tile_sink;
+
+static void put(chi_tet_sink* sink, uint32_t tetrahedron, const chi_tet_fragment* from)
+{
+  tile_sink* const it = (tile_sink*)sink;
+  fragments* const f = &it->tile->f;
+  if (f->count == FRAGMENTS)
+  {
+    consume(it->tile, it->variant);
+  }
+  const size_t i = f->count++;
+  f->pixel[i] = from->pixel;
+  f->length[i] = from->length;
+  f->x0[i] = from->value[0][0];
+  f->x1[i] = from->value[0][1];
+  f->y0[i] = from->value[1][0];
+  f->y1[i] = from->value[1][1];
+  for (int k = 0; k < 3 && it->variant.direct; ++k)
+  {
+    it->tile->colors[0][k][i] = from->value[CHI_TET_COLORS + k][0];
+    it->tile->colors[1][k][i] = from->value[CHI_TET_COLORS + k][1];
+  }
+  f->id[i] = tetrahedron;
+}
+
+static __attribute__((noinline)) int project(tile_state* t, uint32_t tetrahedron, const variant u)
+{
+  const int32_t tile[2] = { t->x, t->y };
+  chi_tet_projector* const projector = t->target->projector;
+  tile_sink sink = { { put }, t, u };
+  return projector->draw(projector, t->scene, tetrahedron, tile, &sink.sink);
+}
+
 CHI_INLINE void draw_batch(tile_state* t, int n, const narrow_boxes* boxes, const variant u)
 {
   batch* const r = &t->r;
@@ -601,6 +640,10 @@ CHI_INLINE void draw_batch(tile_state* t, int n, const narrow_boxes* boxes, cons
   t->tally->tetrahedra += n;
   for (int lane = 0; lane < n; ++lane)
   {
+    if (u.projected && project(t, r->id[lane], u) == CHI_TET_REST_NONE)
+    {
+      continue;
+    }
     if (r->x1[lane] < r->x0[lane] || r->y1[lane] < r->y0[lane])
     {
       continue;
@@ -721,7 +764,7 @@ CHI_INLINE void draw_tile(const chi_tet_scene* scene, const uint64_t* list, size
     size_t count, int32_t tile_x, int32_t tile_y, chi_tet_target* target, chi_tet_tally* tally)    \
   {                                                                                                \
     draw_tile(scene, list, count, tile_x, tile_y, target, tally,                                   \
-      (variant){ parallel, separate, cuts, 0, method, 0, 0, lit });                                \
+      (variant){ parallel, separate, cuts, 0, method, 0, 0, lit, 0 });                             \
   }
 CHI_DRAW(draw_none, 0, 0, 0, CHI_PREINTEGRATION_NONE, 0)
 CHI_DRAW(draw_partial, 0, 0, 0, CHI_PREINTEGRATION_PARTIAL, 0)
@@ -737,7 +780,7 @@ static __attribute__((noinline)) void draw_any(const chi_tet_scene* scene, const
   const variant u = { scene->parallel, scene->separate,
     scene->depth || scene->plane_count || scene->limited, target->pick_alpha != NULL,
     scene->maximum ? METHOD_MAXIMUM : scene->tables->method, scene->shades != NULL,
-    scene->colors != NULL, target->light[0] != NULL };
+    scene->colors != NULL, target->light[0] != NULL, target->projector != NULL };
   draw_tile(scene, list, count, tile_x, tile_y, target, tally, u);
 }
 
@@ -747,7 +790,7 @@ static void draw(const chi_tet_scene* scene, const uint64_t* list, size_t count,
   const int cuts = scene->depth || scene->plane_count || scene->limited;
   const int lit = target->light[0] != NULL;
   const int common = !scene->parallel && !scene->separate && !target->pick_alpha &&
-    !scene->maximum && !scene->shades && !scene->colors;
+    !scene->maximum && !scene->shades && !scene->colors && !target->projector;
   const int plain = common && !lit;
   const int method = scene->tables->method;
   (common && lit && method == CHI_PREINTEGRATION_PARTIAL       ? draw_partial_lit
@@ -762,10 +805,11 @@ static void draw(const chi_tet_scene* scene, const uint64_t* list, size_t count,
 
 static void draw_cached(const chi_tet_scene* scene, chi_tet_target* target, chi_tet_tally* tally)
 {
-  const variant u = { scene->parallel, 0, 0, 0, scene->tables->method, 0, 0, 0 };
+  const variant u = { scene->parallel, 0, 0, 0, scene->tables->method, 0, 0, 0, 0 };
   if (u.method == CHI_PREINTEGRATION_PARTIAL)
   {
-    draw_kept(scene, target, tally, (variant){ 0, 0, 0, 0, CHI_PREINTEGRATION_PARTIAL, 0, 0, 0 });
+    draw_kept(
+      scene, target, tally, (variant){ 0, 0, 0, 0, CHI_PREINTEGRATION_PARTIAL, 0, 0, 0, 0 });
   }
   else
   {

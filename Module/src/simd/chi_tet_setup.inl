@@ -17,9 +17,7 @@
 
 enum
 {
-  HALF_LANES = CHI_LANES / 2,
-  QUANTITIES = 5, /* that may be linear in a tetrahedron */
-  COLORS = 2      /* the first of the three direct colours among them */
+  HALF_LANES = CHI_LANES / 2
 };
 
 typedef double vd __attribute__((vector_size(8 * HALF_LANES)));
@@ -41,11 +39,12 @@ typedef int32_t vhi __attribute__((vector_size(4 * HALF_LANES)));
 typedef struct batch
 {
   float a[4][CHI_LANES], b[4][CHI_LANES], c[4][CHI_LANES]; /* w of a face = a dx + b dy + c */
-  float ax[QUANTITIES][CHI_LANES], ay[QUANTITIES][CHI_LANES],
-    ac[QUANTITIES][CHI_LANES]; /* scalar where z = z0; the opacity's; direct colours */
-  float bx[QUANTITIES][CHI_LANES], by[QUANTITIES][CHI_LANES],
-    bc[QUANTITIES][CHI_LANES];                                   /* its slope along z */
-  float low[QUANTITIES][CHI_LANES], high[QUANTITIES][CHI_LANES]; /* its range in the tetrahedron */
+  float ax[CHI_TET_QUANTITIES][CHI_LANES], ay[CHI_TET_QUANTITIES][CHI_LANES],
+    ac[CHI_TET_QUANTITIES][CHI_LANES]; /* scalar where z = z0; the opacity's; direct colours */
+  float bx[CHI_TET_QUANTITIES][CHI_LANES], by[CHI_TET_QUANTITIES][CHI_LANES],
+    bc[CHI_TET_QUANTITIES][CHI_LANES]; /* its slope along z */
+  float low[CHI_TET_QUANTITIES][CHI_LANES],
+    high[CHI_TET_QUANTITIES][CHI_LANES]; /* its range in the tetrahedron */
   float z0[CHI_LANES];
   float edge_x[6][CHI_LANES], edge_slope[6][CHI_LANES]; /* where a projected edge crosses row y */
   float edge_low[6][CHI_LANES], edge_high[6][CHI_LANES];
@@ -472,6 +471,7 @@ CHI_INLINE void set_up(batch* r, int o, const chi_tet_scene* scene, int32_t tile
   for (int k = 0; k < 3 && direct; ++k)
   {
     load_colors(scene, r->id + o, at, k, s);
-    set_quantity(r, COLORS + k, o, s, (const vd(*)[3])n, inverse, parallel, to, base, step, zs);
+    set_quantity(
+      r, CHI_TET_COLORS + k, o, s, (const vd(*)[3])n, inverse, parallel, to, base, step, zs);
   }
 }
