@@ -201,7 +201,7 @@ def plot(table, picture):
     if topic == "occlusion_error":
         by_kind(rows, picture)
         return
-    ratios = {"occlusion_skip": "speedup", "occlusion_scaling": "ns_a_sample", "occlusion_table1": "time_over_volumetric"}
+    ratios = {"occlusion_skip": "speedup", "tet_skip": "speedup", "occlusion_scaling": "ns_a_sample", "occlusion_table1": "time_over_volumetric"}
     if topic in ratios:
         figure([r for r in rows if r["error_kind"] == ratios[topic]], bars_panel, f"{topic}: {ratios[topic]}", picture)
         return

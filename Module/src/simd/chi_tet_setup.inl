@@ -36,6 +36,14 @@ typedef int32_t vhi __attribute__((vector_size(4 * HALF_LANES)));
  */
 #define DELICATE (1e-5f / (1.5f * 5.9604645e-8f))
 
+/*
+ * A determinant is off by up to 9 roundings of the product of its edges' sizes, sums of the
+ * components. Below ten times that, faces may have no direction (three vertices in a line, or at
+ * one place), and a ray may not leave: it is flat. A needle whose width is 1e-6 of its length has
+ * 1e-13.
+ */
+#define VOLUME 1e-14
+
 typedef struct batch
 {
   float a[4][CHI_LANES], b[4][CHI_LANES], c[4][CHI_LANES]; /* w of a face = a dx + b dy + c */
@@ -305,6 +313,11 @@ CHI_INLINE void load_colors(
   }
 }
 
+CHI_INLINE vd size_of(const vd e[3])
+{
+  return vd_abs(e[0]) + vd_abs(e[1]) + vd_abs(e[2]);
+}
+
 /* Lanes o ... o + HALF_LANES - 1 of a batch. */
 CHI_INLINE void set_up(batch* r, int o, const chi_tet_scene* scene, int32_t tile_x, int32_t tile_y,
   const int parallel, const int separate, const int direct)
@@ -401,7 +414,8 @@ CHI_INLINE void set_up(batch* r, int o, const chi_tet_scene* scene, int32_t tile
     n[0][k] = -(n[1][k] + n[2][k] + n[3][k]);
   }
   const vd det = e1[0] * n[1][0] + e1[1] * n[1][1] + e1[2] * n[1][2];
-  const vl mirrored = det < 0, flat = ~(vd_abs(det) > 0);
+  const vd sizes = size_of(e1) * size_of(e2) * size_of(e3);
+  const vl mirrored = det < 0, flat = ~(vd_abs(det) > VOLUME * sizes);
   const vd inverse = vd_reciprocal(vd_select(flat, vd_set(1), det));
   const vd z0 = z[0];
 
