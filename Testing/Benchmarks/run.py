@@ -25,6 +25,7 @@ def main():
         "bench_occlusion_error": [out],
         "bench_occlusion_error_vtk": [out],  # reads what the one before has left there
         "bench_occlusion_table1": [data],
+        "bench_tet_vtk": [data],  # where it keeps a mesh
         "bench_tube_vtk": [data],
     }
     rows, failed = {}, []
