@@ -90,6 +90,10 @@ std::string vtkChiTetGL::WhyNot(vtkOpenGLRenderWindow* window, const chi_tet_fra
   {
     return "the published projection is drawn by the CPU engine alone";
   }
+  if (frame.params->occlusion_strength > 0.0 && frame.params->blend == CHI_TET_BLEND_COMPOSITE)
+  {
+    return "the OpenGL engine does not have occlusion of tetrahedra";
+  }
   int version[2] = { 0, 0 };
   window->GetOpenGLVersion(version[0], version[1]);
   return version[0] * 10 + version[1] < 32 ? "the OpenGL engine needs OpenGL 3.2" : "";
