@@ -90,6 +90,10 @@ chi_status chi_classify(const chi_exec* exec, chi_classification* out, const chi
 chi_status chi_classify_transfer(const chi_exec* exec, chi_classification* out,
   const chi_bricks* bricks, const chi_transfer_view* transfer, int dilate);
 int chi_transfer_plane_is_valid(const chi_transfer_view* transfer);
+/* What is linear in the table's opacity is not in extinction: intervals are cut into parts, along x
+ * and y, and the table is `value` between its entries: 0 ... 1, what is not finite is 0. */
+void chi_transfer_plane_parts(const chi_transfer_view* transfer, size_t parts[2]);
+double chi_transfer_plane_value(const chi_transfer_view* transfer, double x, double y, int channel);
 void chi_transfer_plane_free(const chi_exec* exec, chi_transfer_plane* plane);
 
 /* Of an opacity over a unit distance; chi_transfer.h. */

@@ -22,10 +22,10 @@ typedef struct grid_key
 
 typedef struct field_key
 {
-  const void* arrays[3];
+  const void* arrays[4];
   uint64_t version;
-  int64_t integers[4];
-  size_t shapes[3][4];
+  int64_t integers[6];
+  size_t shapes[4][4];
   double color_range[2];
 } field_key;
 
@@ -53,8 +53,8 @@ typedef struct bin_key
 
 typedef struct draw_key
 {
-  uint64_t tables;
-  int64_t blend, skip, size[2], projection;
+  uint64_t tables, plane;
+  int64_t method, blend, skip, size[2], projection;
   const void* depth;
   uint64_t surface;
   chi_shading_key shading;
@@ -87,6 +87,7 @@ struct chi_tet
   chi_tet_order* order;
   chi_preintegration* preintegration;
   chi_segment_tables tables;
+  chi_tet_plane plane; /* beside them, which then are of its bound */
   chi_tet_reduction reduction;
   chi_tet_cache cache;
   cache_key cached;
@@ -171,6 +172,7 @@ void chi_tet_destroy(const chi_exec* exec, chi_tet* tet)
   }
   chi_tet_mesh_free(exec, &tet->mesh);
   chi_tet_values_free(exec, &tet->values);
+  chi_tet_plane_free(exec, &tet->plane);
   chi_tet_eye_free(exec, &tet->eye);
   chi_tet_bins_free(exec, &tet->bins);
   chi_tet_order_destroy(exec, tet->order);
@@ -214,6 +216,9 @@ static int field_is_valid(const chi_tet_field* f)
     (!f->opacity ||
       (chi_array_is_valid(f->opacity) && f->opacity_component >= -1 &&
         f->opacity_component < (int64_t)f->opacity->components && !f->colors)) &&
+    (!f->second ||
+      (chi_array_is_valid(f->second) && f->second_component >= -1 &&
+        f->second_component < (int64_t)f->second->components)) &&
     (!f->colors ||
       (chi_array_is_valid(f->colors) && f->color_component >= 0 &&
         f->color_component + (int64_t)3 <= (int64_t)f->colors->components &&
@@ -262,6 +267,13 @@ static chi_status adopt(own_frame* own, const chi_tet_frame* given)
   {
     own->params.skip |= CHI_TET_SKIP_EVERY_KIND;
   }
+  const int of_two = f->transfer->plane != NULL;
+  if (of_two &&
+    (f->field->opacity || f->field->colors ||
+      own->params.projection == CHI_TET_PROJECTION_PUBLISHED))
+  {
+    return CHI_ERROR_INVALID_ARGUMENT;
+  }
   return camera_is_valid(f->camera) && field_is_valid(f->field) && params_are_valid(f->params) &&
       (!f->surface || f->surface->depth) && chi_shading_is_valid(f->shading) &&
       (!f->grid_to_world || all_finite(f->grid_to_world, 16)) &&
@@ -291,8 +303,9 @@ static grid_key key_of_grid(const chi_grid_view* g)
   return k;
 }
 
-static field_key key_of_field(const chi_tet_field* f)
+static field_key key_of_field(const chi_tet_frame* frame)
 {
+  const chi_tet_field* const f = frame->field;
   field_key k;
   memset(&k, 0, sizeof k);
   k.version = f->version;
@@ -301,8 +314,10 @@ static field_key key_of_field(const chi_tet_field* f)
   k.integers[2] = f->opacity_component;
   k.integers[3] = f->color_component;
   memcpy(k.color_range, f->color_range, sizeof k.color_range);
-  const chi_array_view* const arrays[3] = { f->scalars, f->opacity, f->colors };
-  for (int i = 0; i < 3; ++i)
+  k.integers[4] = f->second_component;
+  k.integers[5] = frame->transfer->plane != NULL;
+  const chi_array_view* const arrays[4] = { f->scalars, f->opacity, f->colors, f->second };
+  for (int i = 0; i < 4; ++i)
   {
     if (!arrays[i])
     {
@@ -370,7 +385,7 @@ static chi_status split(const chi_exec* exec, chi_tet* tet, const chi_tet_frame*
 
 static chi_status read_values(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* f)
 {
-  const field_key key = key_of_field(f->field);
+  const field_key key = key_of_field(f);
   if (!differs(tet, f, tet->has_values, &tet->field, &key, sizeof key))
   {
     ++tet->stats.skipped[7];
@@ -378,7 +393,8 @@ static chi_status read_values(const chi_exec* exec, chi_tet* tet, const chi_tet_
   }
   tet->has_values = tet->has_choice = tet->has_view = 0; /* points of the eye carry the scalars */
   const double start = now();
-  const chi_status status = chi_tet_values_build(exec, &tet->values, &tet->mesh, f->grid, f->field);
+  const chi_status status = chi_tet_values_build(
+    exec, &tet->values, &tet->mesh, f->grid, f->field, f->transfer->plane != NULL);
   tet->stats.seconds_values = now() - start;
   tet->field = key;
   ++tet->versions[3];
@@ -403,10 +419,7 @@ static chi_status classify(const chi_exec* exec, chi_tet* tet, const chi_tet_fra
     }
     stretch = sqrt(stretch);
   }
-  const chi_grid_counts* const n = &tet->mesh.counts;
-  const size_t cells = n->cells - n->ghost_cells - n->blanked_cells - n->lower_dimensional_cells -
-    n->unsupported_cells - n->non_finite_cells;
-  tet->cell = cbrt(n->volume * scale / (double)(cells ? cells : 1));
+  tet->cell = cbrt(tet->mesh.counts.volume * scale / (double)chi_tet_cells_of(&tet->mesh));
   if (f->params->automatic_unit_distance && tet->cell > 0)
   {
     transfer.unit_distance = tet->cell;
@@ -414,7 +427,24 @@ static chi_status classify(const chi_exec* exec, chi_tet* tet, const chi_tet_fra
   tet->stats.unit_distance = transfer.unit_distance;
   chi_preintegration_params params;
   chi_preintegration_default_params(&params);
-  params.method = f->params->pre_integration;
+  const int method = f->params->pre_integration;
+  if (transfer.plane)
+  {
+    const chi_transfer_view whole = transfer;
+    const chi_status made =
+      chi_tet_plane_build(exec, &tet->plane, &whole, f->params->opacity_convention, &transfer);
+    if (made != CHI_OK)
+    {
+      return made;
+    }
+    /* a table of three dimensions would be of the bound, which nothing is drawn by */
+    params.method = method == CHI_PREINTEGRATION_NONE ? method : CHI_PREINTEGRATION_PARTIAL;
+  }
+  else
+  {
+    chi_tet_plane_free(exec, &tet->plane);
+    params.method = method;
+  }
   params.opacity_convention = f->params->opacity_convention;
   params.direct_color = tet->values.direct;
   params.longest_segment = tet->values.longest_edge * stretch;
@@ -426,6 +456,10 @@ static chi_status classify(const chi_exec* exec, chi_tet* tet, const chi_tet_fra
   if (status != CHI_OK)
   {
     return status;
+  }
+  if (f->transfer->plane && method != CHI_PREINTEGRATION_PARTIAL)
+  {
+    tet->tables.method = method == CHI_PREINTEGRATION_NONE ? method : CHI_PREINTEGRATION_FULL;
   }
   tet->stats.pre_integration = tet->tables.method;
   /* of maximum intensity the first fragment decides nothing: opacities of 0 hide others */
@@ -586,6 +620,8 @@ static draw_key key_of_draw(const chi_tet* tet, const chi_tet_frame* f, const ch
   draw_key key;
   memset(&key, 0, sizeof key);
   key.tables = tet->tables.version;
+  key.plane = f->transfer->plane ? tet->plane.version : 0;
+  key.method = tet->tables.method;
   key.blend = f->params->blend;
   key.skip = f->params->skip & CHI_TET_SKIP_SATURATED;
   key.depth = f->surface ? f->surface->depth : NULL;
@@ -717,12 +753,14 @@ static chi_tet_scene make_scene(const chi_tet* tet, const chi_tet_frame* f)
     .vertices = (const uint32_t*)tet->mesh.vertices.data,
     .cells = tet->mesh.cell_of,
     .cell_scalars = v->is_cell_data ? (const float*)v->scalars.data : NULL,
-    .cell_opacities = v->is_cell_data && v->separate ? (const float*)v->opacities.data : NULL,
+    .cell_opacities =
+      v->is_cell_data && v->separate && !v->by_gradient ? (const float*)v->opacities.data : NULL,
     .near_depth = f->camera->near_depth,
     .width = f->camera->width,
     .height = f->camera->height,
     .parallel = f->camera->parallel != 0,
     .separate = v->separate,
+    .seconds = v->by_gradient ? (const float*)v->gradients.data : NULL,
     .planes = tet->eye.planes,
     .plane_count = f->clip_plane_count,
     .depth = f->surface ? f->surface->depth : NULL,
@@ -740,6 +778,18 @@ static chi_tet_scene make_scene(const chi_tet* tet, const chi_tet_frame* f)
     .maximum_of_unit = (float)fmin(tet->stats.unit_distance, (double)FLT_MAX),
     .image_opacity = f->params->opacity_convention == CHI_OPACITY_IMAGE,
     .colors = v->direct ? (const float(*)[3])v->colors.data : NULL };
+  s.base_y = s.base;
+  s.scale_y = s.scale;
+  s.end_y = s.end;
+  if (v->by_plane)
+  {
+    const double* const range = tet->plane.key.plane_range;
+    s.plane = (const float(*)[4])tet->plane.entries.data;
+    s.plane_rows = (int32_t)tet->plane.rows;
+    s.base_y = (float)range[0];
+    s.end_y = (float)(tet->plane.rows - 1);
+    s.scale_y = (float)((double)(tet->plane.rows - 1) / (range[1] - range[0]));
+  }
   memcpy(s.first, tet->eye.first, sizeof s.first);
   memcpy(s.step, tet->eye.step, sizeof s.step);
   return s;

@@ -21,6 +21,33 @@ typedef struct draw_job
   atomic_size_t next;
 } draw_job;
 
+static float opacity_of(const chi_tet_scene* s, float extinction)
+{
+  const float depth = s->maximum_of_unit * extinction;
+  return s->image_opacity ? -expm1f(-depth) : depth < 1 ? depth : 1;
+}
+
+/* At both places of the largest value. */
+static void finish_plane(const chi_tet_scene* s, const float in[4], float out[4])
+{
+  const int32_t width = s->tables->count + 1, last = s->plane_rows - 2;
+  const int32_t i = (int32_t)in[0], j = (int32_t)in[1] < last ? (int32_t)in[1] : last;
+  const float u = in[0] - (float)i, v = in[1] - (float)j;
+  const float(*const low)[4] = s->plane + i + (size_t)j * (size_t)width;
+  const float(*const high)[4] = low + width;
+  float at[4];
+  for (int c = 0; c < 4; ++c)
+  {
+    const float below = low[0][c] + u * (low[1][c] - low[0][c]);
+    at[c] = below + v * (high[0][c] + u * (high[1][c] - high[0][c]) - below);
+  }
+  out[3] = opacity_of(s, at[3]);
+  for (int c = 0; c < 3; ++c)
+  {
+    out[c] = at[c] * out[3];
+  }
+}
+
 /* Colours of the largest values, and what is one minus transmittance elsewhere. */
 static void finish_pixel(const chi_tet_scene* s, const float in[4], float out[4])
 {
@@ -33,7 +60,11 @@ static void finish_pixel(const chi_tet_scene* s, const float in[4], float out[4]
     return;
   }
   out[0] = out[1] = out[2] = out[3] = 0;
-  if (in[0] >= 0)
+  if (in[0] >= 0 && s->plane)
+  {
+    finish_plane(s, in, out);
+  }
+  else if (in[0] >= 0)
   {
     float at[2][4];
     for (int q = 0; q < 2; ++q)
@@ -48,8 +79,7 @@ static void finish_pixel(const chi_tet_scene* s, const float in[4], float out[4]
           s->tables->color[i][k] + f * (s->tables->color[i + 1][k] - s->tables->color[i][k]);
       }
     }
-    out[3] = s->maximum_of_unit * at[1][3];
-    out[3] = s->image_opacity ? -expm1f(-out[3]) : out[3] < 1 ? out[3] : 1;
+    out[3] = opacity_of(s, at[1][3]);
     for (int k = 0; k < 3; ++k)
     {
       out[k] = (s->colors ? in[1 + k] : at[0][k]) * out[3];

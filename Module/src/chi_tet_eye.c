@@ -101,8 +101,9 @@ chi_status chi_tet_eye_build(const chi_exec* exec, chi_tet_eye* eye, const chi_t
   const int32_t size[2] = { camera->width, camera->height };
   eye_job job = { .mesh = mesh,
     .scalars = values->is_cell_data ? NULL : (const float*)values->scalars.data,
-    .opacities =
-      values->is_cell_data || !values->separate ? NULL : (const float*)values->opacities.data,
+    .opacities = values->is_cell_data || !values->separate || values->by_gradient
+      ? NULL
+      : (const float*)values->opacities.data,
     .near_depth = camera->near_depth,
     .planes = eye->planes,
     .plane_count = frame->clip_plane_count,

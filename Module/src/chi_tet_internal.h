@@ -35,6 +35,8 @@ typedef struct chi_tet_mesh
 
 chi_status chi_tet_mesh_build(const chi_exec* exec, chi_tet_mesh* mesh, const chi_grid_view* grid);
 void chi_tet_mesh_free(const chi_exec* exec, chi_tet_mesh* mesh);
+/* Cells that have been split; 1 where there are none. */
+size_t chi_tet_cells_of(const chi_tet_mesh* mesh);
 
 /* Stage 2: its scalars, and which tetrahedra are to be drawn at all. */
 typedef struct chi_tet_values
@@ -43,6 +45,9 @@ typedef struct chi_tet_values
   chi_buffer colors;             /* float [x 3]: direct ones, where `direct` */
   int direct;
   int is_cell_data, separate;
+  int by_plane;         /* opacities are the second quantity of a transfer function of two, */
+  int by_gradient;      /* or, and separate, it is */
+  chi_buffer gradients; /* float: one a tetrahedron */
   double longest_edge, widest_range; /* of a tetrahedron: units of the grid, and of the scalar */
   chi_buffer visible;                /* uint32, one bit a tetrahedron */
   float coarseness;                  /* of the tables: the largest step from entry to entry, of 1 */
@@ -53,8 +58,12 @@ typedef struct chi_tet_values
   uint64_t version; /* of `visible`: grows where it changes */
 } chi_tet_values;
 
+/* `by_plane`: of a transfer function of two quantities. */
 chi_status chi_tet_values_build(const chi_exec* exec, chi_tet_values* values,
-  const chi_tet_mesh* mesh, const chi_grid_view* grid, const chi_tet_field* field);
+  const chi_tet_mesh* mesh, const chi_grid_view* grid, const chi_tet_field* field, int by_plane);
+/* Of these, the magnitude of the gradient, times the mean edge of a cell. */
+chi_status chi_tet_gradients_build(
+  const chi_exec* exec, chi_tet_values* values, const chi_tet_mesh* mesh);
 /* Of these, direct colours, if the field has any. */
 chi_status chi_tet_colors_build(const chi_exec* exec, chi_tet_values* values,
   const chi_tet_mesh* mesh, const chi_grid_view* grid, const chi_tet_field* field);
@@ -62,6 +71,30 @@ chi_status chi_tet_colors_build(const chi_exec* exec, chi_tet_values* values,
 chi_status chi_tet_values_choose(const chi_exec* exec, chi_tet_values* values,
   const chi_tet_mesh* mesh, const chi_segment_tables* tables, int skip_transparent);
 void chi_tet_values_free(const chi_exec* exec, chi_tet_values* values);
+
+/* Tables of a transfer function of two quantities, and what they were made from. */
+typedef struct chi_tet_plane_key
+{
+  const void* table;
+  uint64_t version;
+  size_t count[2];
+  double range[2], plane_range[2], unit_distance;
+  int64_t convention;
+} chi_tet_plane_key;
+
+typedef struct chi_tet_plane
+{
+  chi_buffer entries;   /* float [rows][columns + 1][4]: colour, extinction */
+  chi_buffer bound;     /* float [columns], [columns x 3]: largest opacity of each column, white */
+  size_t columns, rows; /* 0: none */
+  chi_tet_plane_key key;
+  uint64_t version;
+} chi_tet_plane;
+
+/* `bound`: a transfer function of the first quantity alone that is opaque wherever this one is. */
+chi_status chi_tet_plane_build(const chi_exec* exec, chi_tet_plane* plane,
+  const chi_transfer_view* transfer, int32_t convention, chi_transfer_view* bound);
+void chi_tet_plane_free(const chi_exec* exec, chi_tet_plane* plane);
 
 /* Stage 3: points as the eye sees them. */
 typedef struct chi_tet_eye

@@ -38,6 +38,14 @@ chi_status chi_tet_mesh_build(const chi_exec* exec, chi_tet_mesh* mesh, const ch
   return status;
 }
 
+size_t chi_tet_cells_of(const chi_tet_mesh* mesh)
+{
+  const chi_grid_counts* const n = &mesh->counts;
+  const size_t cells = n->cells - n->ghost_cells - n->blanked_cells - n->lower_dimensional_cells -
+    n->unsupported_cells - n->non_finite_cells;
+  return cells ? cells : 1;
+}
+
 void chi_tet_mesh_free(const chi_exec* exec, chi_tet_mesh* mesh)
 {
   chi_buffer_free(exec, &mesh->vertices);
@@ -102,17 +110,20 @@ static chi_status measure_all(
 }
 
 chi_status chi_tet_values_build(const chi_exec* exec, chi_tet_values* values,
-  const chi_tet_mesh* mesh, const chi_grid_view* grid, const chi_tet_field* field)
+  const chi_tet_mesh* mesh, const chi_grid_view* grid, const chi_tet_field* field, int by_plane)
 {
+  const chi_array_view* const other = by_plane ? field->second : field->opacity;
   values->is_cell_data = field->is_cell_data != 0;
-  values->separate = field->opacity != NULL;
+  values->by_plane = by_plane;
+  values->by_gradient = by_plane && !other;
+  values->separate = other || by_plane;
   values->all_opaque = 0;
   const size_t count = values->is_cell_data ? mesh->counts.cells : mesh->point_count;
   const size_t extra = values->is_cell_data ? 0 : mesh->counts.extra_points;
-  for (int q = 0; q <= values->separate; ++q)
+  for (int q = 0; q <= (other != NULL); ++q)
   {
     chi_buffer* const buffer = q ? &values->opacities : &values->scalars;
-    const chi_array_view* const array = q ? field->opacity : field->scalars;
+    const chi_array_view* const array = q ? other : field->scalars;
     if (array->count != count - extra)
     {
       return CHI_ERROR_INVALID_ARGUMENT;
@@ -121,15 +132,21 @@ chi_status chi_tet_values_build(const chi_exec* exec, chi_tet_values* values,
     {
       return CHI_ERROR_OUT_OF_MEMORY;
     }
-    const chi_status status =
-      chi_grid_scalars(exec, grid, array, q ? field->opacity_component : field->component,
-        (const uint32_t*)mesh->extra_cells.data, extra, (float*)buffer->data);
+    const chi_status status = chi_grid_scalars(exec, grid, array,
+      !q           ? field->component
+        : by_plane ? field->second_component
+                   : field->opacity_component,
+      (const uint32_t*)mesh->extra_cells.data, extra, (float*)buffer->data);
     if (status != CHI_OK)
     {
       return status;
     }
   }
-  const chi_status status = chi_tet_colors_build(exec, values, mesh, grid, field);
+  chi_status status = chi_tet_colors_build(exec, values, mesh, grid, field);
+  if (values->by_gradient && status == CHI_OK)
+  {
+    status = chi_tet_gradients_build(exec, values, mesh);
+  }
   return status == CHI_OK ? measure_all(exec, values, mesh) : status;
 }
 
@@ -191,10 +208,10 @@ static void choose(void* data, size_t begin, size_t end)
       {
         float range[2], other[2] = { 0, 0 };
         const int finite = find_range(c, (const float*)c->values->scalars.data, t, range) &
-          (!c->values->separate ||
+          (!c->values->separate || c->values->by_gradient ||
             find_range(c, (const float*)c->values->opacities.data, t, other));
-        const int clear =
-          finite && c->opaque && is_transparent(c, c->values->separate ? other : range);
+        const int clear = finite && c->opaque &&
+          is_transparent(c, c->values->separate && !c->values->by_plane ? other : range);
         non_finite += !finite;
         transparent += (uint32_t)clear;
         word |= (uint32_t)(finite && !clear) << (t % 32);
@@ -275,6 +292,7 @@ void chi_tet_values_free(const chi_exec* exec, chi_tet_values* values)
   chi_buffer_free(exec, &values->scalars);
   chi_buffer_free(exec, &values->opacities);
   chi_buffer_free(exec, &values->colors);
+  chi_buffer_free(exec, &values->gradients);
   chi_buffer_free(exec, &values->visible);
   chi_buffer_free(exec, &values->opaque);
   chi_buffer_free(exec, &values->extinction);

@@ -24,15 +24,19 @@ int chi_transfer_plane_is_valid(const chi_transfer_view* t)
     t->plane_range[0] < t->plane_range[1];
 }
 
-/* What is linear in the table's opacity is not in extinction: intervals are cut into parts. */
 static size_t parts_of(size_t count, size_t fine)
 {
   const size_t parts = fine / (count - 1);
   return parts < 1 ? 1 : parts < MAX_PARTS ? parts : MAX_PARTS;
 }
 
-/* The table between its entries; 0 ... 1, what is not finite is 0. */
-static double plane_value(const chi_transfer_view* t, double x, double y, int channel)
+void chi_transfer_plane_parts(const chi_transfer_view* t, size_t parts[2])
+{
+  parts[0] = parts_of(t->plane_count[0], FINE_X);
+  parts[1] = parts_of(t->plane_count[1], FINE_Y);
+}
+
+double chi_transfer_plane_value(const chi_transfer_view* t, double x, double y, int channel)
 {
   const size_t nx = t->plane_count[0], ny = t->plane_count[1];
   const size_t i = (size_t)x < nx - 2 ? (size_t)x : nx - 2;
@@ -67,14 +71,14 @@ static void fill_extinctions(
     {
       const double x = (double)i / (double)parts[0], y = (double)j / (double)parts[1];
       const size_t at = i + out->count[0] * j;
-      const double alpha = plane_value(t, x, y, 3);
+      const double alpha = chi_transfer_plane_value(t, x, y, 3);
       sigma[at] =
         (chi_plan_entry){ .sigma = (float)chi_extinction(alpha, t->unit_distance), .reserved = 0 };
       total += (double)sigma[at].sigma;
       opacity[i] = (float)fmax((double)opacity[i], alpha);
       for (int c = 0; c < 3; ++c)
       {
-        rgba[at][c] = (float)plane_value(t, x, y, c);
+        rgba[at][c] = (float)chi_transfer_plane_value(t, x, y, c);
       }
       rgba[at][3] = 1;
     }
@@ -135,8 +139,8 @@ chi_status chi_classify_transfer(const chi_exec* exec, chi_classification* out,
   {
     return chi_classify(exec, out, bricks, transfer, dilate);
   }
-  const size_t parts[2] = { parts_of(transfer->plane_count[0], FINE_X),
-    parts_of(transfer->plane_count[1], FINE_Y) };
+  size_t parts[2];
+  chi_transfer_plane_parts(transfer, parts);
   for (int a = 0; a < 2; ++a)
   {
     plane->count[a] = (transfer->plane_count[a] - 1) * parts[a] + 1;

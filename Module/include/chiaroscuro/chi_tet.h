@@ -55,6 +55,14 @@ typedef struct chi_tet_field
   int32_t reserved_colors;
   double color_range[2]; /**< values of colors that stand for 0 and 1, beyond which they are cut;
                             NaN is 0; both 0: 0 and 1 */
+  /** What the second axis of chi_transfer_view.plane is read at: a tuple a point or a cell, as of
+   * scalars; NULL: the magnitude of the gradient, one a tetrahedron, of values of cells 0, in units
+   * of the scalar a mean cell's edge: in the grid's own coordinates times the cube root of the mean
+   * volume of its cells. Not read without such a function, which has no `opacity` and no `colors`,
+   * and no published projection. */
+  const chi_array_view* second;
+  int32_t second_component; /**< of second; -1: magnitude */
+  int32_t reserved_second;
 } chi_tet_field;
 
 /** How fragments become a pixel. */
@@ -134,7 +142,8 @@ typedef struct chi_tet_frame
   const double* grid_to_world; /**< row-major 4 x 4, affine, any scale or mirror; NULL: identity.
                                     Lengths that opacity is taken over are those of the world */
   const chi_tet_field* field;
-  const chi_transfer_view* transfer; /**< one table over the scalar */
+  const chi_transfer_view* transfer; /**< one table over the scalar, or `plane` over two quantities;
+                                          y_samples is not read */
   const chi_surface_view* surface;   /**< depth alone is read; NULL: no geometry */
   const chi_tet_params* params;
   /** The mesh is cut: what is left is where a x + b y + c z + d >= 0 of every plane, world

@@ -4,10 +4,10 @@
 /* Fragments whose colours are given at both ends, not looked up. */
 
 /*
- * Premultiplied colour and transmittance of the fragments from i on (theory/preintegration.md, Eq. 9):
- * what is seen of the front's colour and of the back's. By full tables their red is the share of
- * the back; else both follow from psi, of the extinctions at the ends, or, of none, of the middle,
- * where the colour is too.
+ * Premultiplied colour and transmittance of the fragments from i on (theory/preintegration.md, Eq.
+ * 9): what is seen of the front's colour and of the back's. By full tables their red is the share
+ * of the back; else both follow from psi, of the extinctions at the ends, or, of none, of the
+ * middle, where the colour is too.
  */
 CHI_INLINE void segment_direct(const tile_state* t, size_t i, const int method, vf out[4])
 {

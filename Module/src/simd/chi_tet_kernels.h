@@ -39,6 +39,7 @@ typedef struct chi_tet_scene
   const uint32_t* cells;       /* [tetrahedra] index into values of cells; NULL: the identity */
   const float* cell_scalars;   /* values of cells in place of those of points; NULL */
   const float* cell_opacities; /* likewise */
+  const float* seconds;        /* [tetrahedra] in place of opacities; NULL */
   double first[2], step[2];    /* of pixel centres: at depth 1 in perspective, else world units */
   double near_depth;
   int32_t width, height;
@@ -48,7 +49,10 @@ typedef struct chi_tet_scene
   size_t plane_count;
   const float* depth; /* [height x width] of the surface; NULL: none */
 
-  float base, scale, end; /* table position = (scalar - base) * scale, 0 ... end */
+  float base, scale, end;       /* table position = (scalar - base) * scale, 0 ... end */
+  float base_y, scale_y, end_y; /* the opacity's, or the second quantity's */
+  const float (*plane)[4];      /* [plane_rows][count + 1]: a table of two quantities; NULL */
+  int32_t plane_rows;
   const chi_segment_tables* tables;
   int32_t fine;             /* neighbouring entries are so much alike that the nearest will do */
   const float* extinction;  /* [count + 1] of the tables, one after the other */

@@ -76,8 +76,12 @@ CHI_INLINE void finish(tile_state* t, const variant u)
     vf_store(f->x1 + i, vf_min(vf_max((vf_load(f->x1 + i) - base) * scale, zero), end));
     if (u.separate)
     {
-      vf_store(f->y0 + i, vf_min(vf_max((vf_load(f->y0 + i) - base) * scale, zero), end));
-      vf_store(f->y1 + i, vf_min(vf_max((vf_load(f->y1 + i) - base) * scale, zero), end));
+      const vf last = vf_set(s->end_y);
+      for (int e = 0; e < 2; ++e)
+      {
+        float* const y = (e ? f->y1 : f->y0) + i;
+        vf_store(y, vf_min(vf_max((vf_load(y) - s->base_y) * s->scale_y, zero), last));
+      }
     }
   }
 }
@@ -142,6 +146,8 @@ CHI_INLINE void keep_maximum(tile_state* t, const variant u)
 }
 
 #include "chi_tet_colors.inl"
+
+#include "chi_tet_plane.inl"
 
 /* Where accumulated opacity passes what counts as hit; until then the most opaque fragment. */
 CHI_INLINE void pick(tile_state* t, size_t i, float transmittance)
@@ -338,7 +344,18 @@ CHI_INLINE void blend_fragments(tile_state* t, const variant u)
   t->tally->fragments += (int64_t)f->count;
   if (u.method == METHOD_MAXIMUM)
   {
-    u.direct ? keep_maximum_color(t) : keep_maximum(t, u);
+    if (u.direct)
+    {
+      keep_maximum_color(t);
+    }
+    else if (t->scene->plane)
+    {
+      keep_maximum_plane(t);
+    }
+    else
+    {
+      keep_maximum(t, u);
+    }
     f->count = 0;
     return;
   }
@@ -366,6 +383,11 @@ CHI_INLINE void blend_fragments(tile_state* t, const variant u)
     if (u.direct)
     {
       segment_direct(t, i, u.method, color);
+    }
+    else if (u.separate && t->scene->plane)
+    {
+      segment_plane(
+        t->scene, x0, x1, vf_load(f->y0 + i), vf_load(f->y1 + i), length, u.method, color);
     }
     else if (u.separate)
     {

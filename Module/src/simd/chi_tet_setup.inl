@@ -470,13 +470,14 @@ CHI_INLINE void set_up(batch* r, int o, const chi_tet_scene* scene, int32_t tile
     {
       s[c] = q ? high_float(bits[c]) : low_float(bits[c]);
     }
+    const float* const seconds = q ? scene->seconds : NULL;
     const float* const of_cells = q ? scene->cell_opacities : scene->cell_scalars;
-    if (of_cells)
+    if (seconds || of_cells)
     {
       for (int i = 0; i < HALF_LANES; ++i)
       {
         const uint32_t t = r->id[o + i];
-        s[0][i] = of_cells[scene->cells ? scene->cells[t] : t];
+        s[0][i] = seconds ? seconds[t] : of_cells[scene->cells ? scene->cells[t] : t];
       }
       s[1] = s[2] = s[3] = s[0];
     }
