@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkChiFieldInput.h"
 #include "vtkChiInputTools.h"
-#include "vtkChiPlaneInput.h"
 #include "vtkChiShadingInput.h"
 #include "vtkChiViews.h"
 
@@ -29,6 +28,7 @@ bool vtkChiFieldInput::Collect(vtkAbstractVolumeMapper* mapper, vtkDataSet* inpu
     return false;
   }
   this->ChooseComponents(property, vectorComponent);
+  this->FindSecond(property, input);
   const vtkMTimeType time = input->GetMTime();
   this->CollectFunctions(property, time);
   const bool newScalars = this->Lend(this->Scalars, time, this->Samples);
@@ -36,14 +36,16 @@ bool vtkChiFieldInput::Collect(vtkAbstractVolumeMapper* mapper, vtkDataSet* inpu
   // no more than there are points, or cells
   const vtkIdType count =
     this->Field.is_cell_data ? input->GetNumberOfCells() : input->GetNumberOfPoints();
+  const bool newSeconds = this->Second && this->Lend(this->Second, time, this->Seconds);
   const bool newColors = this->ColorArray && this->Lend(this->ColorArray, time, this->Colors);
   this->Samples.View.count = static_cast<std::size_t>(count);
   this->Opacities.View.count = static_cast<std::size_t>(count);
   this->Colors.View.count = static_cast<std::size_t>(count);
-  const std::array<std::uint64_t, 4> key = { static_cast<std::uint64_t>(this->Field.component),
+  this->Seconds.View.count = static_cast<std::size_t>(count);
+  const std::array<std::uint64_t, 5> key = { static_cast<std::uint64_t>(this->Field.component),
     static_cast<std::uint64_t>(this->Field.is_cell_data), vtkChiBits(this->OpacityArray),
-    vtkChiBits(this->ColorArray) };
-  if (newScalars || newOpacities || newColors || key != this->FieldKey)
+    vtkChiBits(this->ColorArray), vtkChiBits(this->Second) };
+  if (newScalars || newOpacities || newColors || newSeconds || key != this->FieldKey)
   {
     this->FieldKey = key;
     ++this->Field.version;
@@ -52,9 +54,81 @@ bool vtkChiFieldInput::Collect(vtkAbstractVolumeMapper* mapper, vtkDataSet* inpu
   this->Field.opacity = this->OpacityArray ? &this->Opacities.View : nullptr;
   this->Field.opacity_component = 0;
   this->Field.colors = this->ColorArray ? &this->Colors.View : nullptr;
+  this->Field.second = this->Second ? &this->Seconds.View : nullptr;
+  this->Field.second_component = 0;
   this->CombineFunctions();
+  this->CollectPlane(property, time);
   this->AddLimits(property);
   return true;
+}
+
+//------------------------------------------------------------------------------
+// Along with a function of two quantities there is nothing else that opacity or colour could be
+// read at.
+void vtkChiFieldInput::FindSecond(vtkVolumeProperty* property, vtkDataSet* input)
+{
+  this->Second = nullptr;
+  if (this->Plane.GetTime(property) == 0)
+  {
+    return;
+  }
+  if (this->OpacityArray || this->ColorArray)
+  {
+    this->Limits.emplace_back("an opacity array and dependent components are left out under a "
+                              "two-dimensional transfer function");
+    this->OpacityArray = nullptr;
+    this->ColorArray = nullptr;
+  }
+  if (this->SecondName.empty())
+  {
+    return;
+  }
+  vtkDataSetAttributes* data = this->Field.is_cell_data
+    ? static_cast<vtkDataSetAttributes*>(input->GetCellData())
+    : static_cast<vtkDataSetAttributes*>(input->GetPointData());
+  const std::string problem = this->Problem;
+  this->Second = data->GetArray(this->SecondName.c_str());
+  if (!this->Second || !this->IsLong(input, this->Second))
+  {
+    this->Problem = problem;
+    this->Second = nullptr;
+    this->Limits.push_back("the array '" + this->SecondName +
+      "' of the two-dimensional transfer function's y axis is not there, or too short: the "
+      "gradient is used");
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkChiFieldInput::CollectPlane(vtkVolumeProperty* property, vtkMTimeType time)
+{
+  const std::uint64_t asked = this->Plane.GetTime(property);
+  if (asked == 0)
+  {
+    this->PlaneKey = {};
+    return;
+  }
+  const std::array<std::uint64_t, 7> key = { asked, vtkChiBits(this->Scalars),
+    this->Scalars->GetMTime(), static_cast<std::uint64_t>(this->Field.component), time,
+    vtkChiBits(this->Second), this->Second ? this->Second->GetMTime() : 0 };
+  if (key != this->PlaneKey)
+  {
+    this->PlaneKey = key;
+    this->PlaneTransfer = this->Transfer;
+    this->Plane.Collect(
+      property, this->Scalars, this->Field.component, this->Second, &this->PlaneTransfer);
+    ++this->Transfer.version;
+  }
+  if (!this->Plane.GetProblem().empty())
+  {
+    this->Limits.push_back(this->Plane.GetProblem());
+  }
+  this->Transfer.plane = this->PlaneTransfer.plane;
+  if (this->Transfer.plane)
+  {
+    std::copy_n(this->PlaneTransfer.plane_count, 2, this->Transfer.plane_count);
+    std::copy_n(this->PlaneTransfer.plane_range, 2, this->Transfer.plane_range);
+    std::copy_n(this->PlaneTransfer.range, 2, this->Transfer.range);
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -65,12 +139,11 @@ void vtkChiFieldInput::AddLimits(vtkVolumeProperty* property)
   {
     this->Limits.push_back(limit);
   }
-  if (vtkChiShadingInput::GetGradientOpacityTime(property) != 0 ||
-    vtkChiPlaneInput().GetTime(property) != 0)
+  if (vtkChiShadingInput::GetGradientOpacityTime(property) != 0 && !this->Transfer.plane)
   {
-    this->Limits.emplace_back("gradient opacity and two-dimensional transfer functions "
-                              "(vtkVolumeProperty) are not supported for tetrahedra: they are left "
-                              "out");
+    this->Limits.emplace_back("gradient opacity (vtkVolumeProperty) is not supported for "
+                              "tetrahedra: it is left out; a vtkChiTransferFunction2D over the "
+                              "gradient does the same");
   }
 }
 

@@ -3,6 +3,7 @@
 #ifndef vtkChiFieldInput_h
 #define vtkChiFieldInput_h
 
+#include "vtkChiPlaneInput.h"
 #include "vtkChiTransferInput.h"
 
 #include <chiaroscuro/chi_tet.h>
@@ -32,6 +33,11 @@ public:
   bool Collect(vtkAbstractVolumeMapper* mapper, vtkDataSet* input, vtkVolumeProperty* property,
     int vectorComponent, const std::string& opacityArray);
 
+  // Colour and opacity over two quantities, in place of all else where there are any.
+  vtkChiPlaneInput* GetPlane() { return &this->Plane; }
+  // The array along the second axis of these; empty for the gradient.
+  void SetSecondArray(const char* name) { this->SecondName = name ? name : ""; }
+
   const chi_tet_field* GetField() const { return &this->Field; }
   const chi_transfer_view* GetTransfer() const { return &this->Transfer; }
   const std::string& GetProblem() const { return this->Problem; }
@@ -56,6 +62,8 @@ private:
   bool LendOpacity(vtkMTimeType time);
   void CollectFunctions(vtkVolumeProperty* property, vtkMTimeType time);
   void CombineFunctions();
+  void FindSecond(vtkVolumeProperty* property, vtkDataSet* input);
+  void CollectPlane(vtkVolumeProperty* property, vtkMTimeType time);
   void AddLimits(vtkVolumeProperty* property);
 
   chi_tet_field Field = {};
@@ -63,7 +71,7 @@ private:
   std::string Problem;
   std::vector<std::string> Limits;
 
-  vtkDataArray* Scalars = nullptr; // of this call, as found; likewise the next three
+  vtkDataArray* Scalars = nullptr;    // of this call, as found; likewise the next three
   vtkDataArray* ColorArray = nullptr; // of direct colours
   vtkDataArray* OpacityArray = nullptr;
   int OpacityComponent = 0;
@@ -71,13 +79,19 @@ private:
   Lent Samples;
   Lent Opacities;
   Lent Colors;
+  Lent Seconds;
+  vtkChiPlaneInput Plane;
+  std::string SecondName;
+  vtkDataArray* Second = nullptr; // of this call; null: the gradient
   vtkChiTransferInput
     ColorFunction; // and the opacity function, where it is read at the scalars too
   vtkChiTransferInput OpacityFunction;
   std::size_t Entries = 2; // that both tables have
   std::array<std::uint64_t, 9> OpacityKey = {};
-  std::array<std::uint64_t, 4> FieldKey = {};
+  std::array<std::uint64_t, 5> FieldKey = {};
   std::array<std::uint64_t, 2> TransferKey = {};
+  std::array<std::uint64_t, 7> PlaneKey = {};
+  chi_transfer_view PlaneTransfer = {}; // what the plane adds to the transfer functions
 };
 
 #endif

@@ -19,9 +19,9 @@ constexpr double LargestOfRayCaster = 0.25;
 const double LargestGradient = std::sqrt(0.75);
 
 // One value, or none, has a range too.
-void findRange(vtkDataArray* samples, double range[2])
+void findRange(vtkDataArray* samples, int component, double range[2])
 {
-  samples->GetFiniteRange(range, 0);
+  samples->GetFiniteRange(range, component);
   if (!(range[0] <= range[1]))
   {
     range[0] = 0.0;
@@ -54,7 +54,7 @@ std::uint64_t vtkChiPlaneInput::GetTime(vtkVolumeProperty* property) const
 }
 
 //------------------------------------------------------------------------------
-void vtkChiPlaneInput::Collect(vtkVolumeProperty* property, vtkDataArray* samples,
+void vtkChiPlaneInput::Collect(vtkVolumeProperty* property, vtkDataArray* samples, int component,
   vtkDataArray* second, chi_transfer_view* transfer)
 {
   this->Problem.clear();
@@ -67,12 +67,12 @@ void vtkChiPlaneInput::Collect(vtkVolumeProperty* property, vtkDataArray* sample
   const double largest = this->Function ? LargestGradient : LargestOfRayCaster;
   double x[2];
   double y[2];
-  findRange(samples, x);
+  findRange(samples, component, x);
   y[0] = 0.0;
   y[1] = largest * (x[1] - x[0]);
   if (second)
   {
-    findRange(second, y);
+    findRange(second, 0, y);
   }
   const double old[2] = { transfer->range[0], transfer->range[1] };
   std::copy(x, x + 2, transfer->range);
@@ -82,16 +82,18 @@ void vtkChiPlaneInput::Collect(vtkVolumeProperty* property, vtkDataArray* sample
     std::copy(old, old + 2, transfer->range);
     return;
   }
-  if (second)
-  {
-    this->Second.resize(static_cast<std::size_t>(second->GetNumberOfTuples()));
-    for (std::size_t i = 0; i < this->Second.size(); ++i)
-    {
-      this->Second[i] = static_cast<float>(second->GetComponent(static_cast<vtkIdType>(i), 0));
-    }
-    transfer->y_samples = this->Second.data();
-  }
   transfer->plane = this->Table.data();
+}
+
+//------------------------------------------------------------------------------
+void vtkChiPlaneInput::CollectSecond(vtkDataArray* second, chi_transfer_view* transfer)
+{
+  this->Second.resize(static_cast<std::size_t>(second->GetNumberOfTuples()));
+  for (std::size_t i = 0; i < this->Second.size(); ++i)
+  {
+    this->Second[i] = static_cast<float>(second->GetComponent(static_cast<vtkIdType>(i), 0));
+  }
+  transfer->y_samples = this->Second.data();
 }
 
 //------------------------------------------------------------------------------

@@ -28,10 +28,12 @@ public:
   // Changes whenever the function does; 0 where none is asked for.
   std::uint64_t GetTime(vtkVolumeProperty* property) const;
 
-  // Adds the table over the range of the samples' first component to `transfer`; `second` is the
-  // array along its y axis, null for the gradient.
-  void Collect(vtkVolumeProperty* property, vtkDataArray* samples, vtkDataArray* second,
-    chi_transfer_view* transfer);
+  // Adds the table over the range of a component of the samples to `transfer`, -1: their magnitude;
+  // `second` is the array along its y axis, null for the gradient.
+  void Collect(vtkVolumeProperty* property, vtkDataArray* samples, int component,
+    vtkDataArray* second, chi_transfer_view* transfer);
+  // Hands that array's first component over as plain floats.
+  void CollectSecond(vtkDataArray* second, chi_transfer_view* transfer);
 
   // Empty, or why the function is not used.
   const std::string& GetProblem() const { return this->Problem; }

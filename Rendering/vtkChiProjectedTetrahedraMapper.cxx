@@ -93,6 +93,23 @@ vtkChiProjectedTetrahedraMapper::vtkChiProjectedTetrahedraMapper()
 vtkChiProjectedTetrahedraMapper::~vtkChiProjectedTetrahedraMapper()
 {
   this->SetOpacityArrayName(nullptr);
+  this->SetTransfer2DYAxisArray(nullptr);
+}
+
+//------------------------------------------------------------------------------
+void vtkChiProjectedTetrahedraMapper::SetTransferFunction2D(vtkChiTransferFunction2D* function)
+{
+  if (function != this->GetTransferFunction2D())
+  {
+    this->Internal->Field.GetPlane()->SetFunction(function);
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+vtkChiTransferFunction2D* vtkChiProjectedTetrahedraMapper::GetTransferFunction2D()
+{
+  return this->Internal->Field.GetPlane()->GetFunction();
 }
 
 //------------------------------------------------------------------------------
@@ -264,6 +281,7 @@ bool vtkChiProjectedTetrahedraMapper::Collect(vtkRenderer* renderer, vtkVolume* 
   const int component = this->VectorMode == MAGNITUDE ? -1
     : this->VectorMode == COMPONENT                   ? this->VectorComponent
                                                       : 0;
+  in.Field.SetSecondArray(this->Transfer2DYAxisArray);
   const bool good = in.Field.Collect(this, in.Input, volume->GetProperty(), component,
     this->OpacityArrayName ? this->OpacityArrayName : "");
   for (const std::string& limit : in.Field.GetLimits())
@@ -319,6 +337,12 @@ void vtkChiProjectedTetrahedraMapper::CollectParameters(vtkRenderer* renderer, v
   params.order = this->VisibilityOrder;
   params.pre_integration = this->PreIntegration;
   params.projection = this->Projection;
+  if (in.Field.GetTransfer()->plane && this->Projection == PROJECTION_PUBLISHED)
+  {
+    params.projection = CHI_TET_PROJECTION_EXACT;
+    this->SayOnce("the published projection knows no two-dimensional transfer functions: the exact "
+                  "one is drawn");
+  }
   params.opacity_convention = this->OpacityConvention;
   params.blend =
     this->BlendMode == MAXIMUM_INTENSITY_BLEND ? CHI_TET_BLEND_MAXIMUM : CHI_TET_BLEND_COMPOSITE;

@@ -28,15 +28,15 @@
  * unsigned char and 0 to 1 in every other type, as there (beyond, they are cut), linear inside each
  * tetrahedron, and the fourth goes through the scalar opacity, as vtkVolumeProperty and the mappers
  * of images have it; vtkProjectedTetrahedraMapper takes it for the opacity itself, which an opacity
- * function from (0, 0) to (255, 1), or (1, 1), does here. SetOpacityArrayName gives opacity an array
- * of its own, in place of a second or fourth component.
+ * function from (0, 0) to (255, 1), or (1, 1), does here. SetOpacityArrayName gives opacity an
+ * array of its own, in place of a second or fourth component.
  *
  * <b>Of the vtkVolumeProperty</b> the colour function (RGB or gray), the scalar opacity and its
  * unit distance are read, those of the first component. Opacity means what it means to
  * vtkProjectedTetrahedraMapper, see SetOpacityConvention. With shading on, the renderer's lights
  * shine on the gradient, which is one vector a tetrahedron (values of cells have none), by the
  * formula of vtkGPUVolumeRayCastMapper. The interpolation type means nothing to a mesh. Gradient
- * opacity and two-dimensional transfer functions are left out, with a warning.
+ * opacity is left out, with a warning.
  *
  * <b>Opaque geometry</b> of the same renderer, before, behind or inside the mesh, ends the rays
  * where it stands: its depth is drawn once more into a private buffer, one sample a pixel, where
@@ -79,6 +79,7 @@
 #include <memory> // for std::unique_ptr
 #include <string> // for std::string
 
+class vtkChiTransferFunction2D;
 class vtkImageData;
 
 class VTKCHIRENDERING_EXPORT vtkChiProjectedTetrahedraMapper
@@ -166,6 +167,28 @@ public:
    */
   vtkSetStringMacro(OpacityArrayName);
   vtkGetStringMacro(OpacityArrayName);
+  ///@}
+
+  ///@{
+  /**
+   * Colour and opacity over two quantities, in place of all transfer functions of
+   * vtkVolumeProperty, whose unit distance holds. Null, the default: vtkVolumeProperty's, which may
+   * be two-dimensional too (TF_2D). Full pre-integration, as auto, cuts the part of a ray within a
+   * cell into parts along both axes; partial takes it as linear.
+   */
+  void SetTransferFunction2D(vtkChiTransferFunction2D* function);
+  vtkChiTransferFunction2D* GetTransferFunction2D();
+  ///@}
+
+  ///@{
+  /**
+   * The array along the y axis of a two-dimensional transfer function, of the points or cells that
+   * the scalars are of; its first component. None, the default, stands for the magnitude of the
+   * gradient, one a tetrahedron, in units of the scalar a mean cell's edge: the cube root of the
+   * mean volume of a cell of the input, in its own coordinates.
+   */
+  vtkSetStringMacro(Transfer2DYAxisArray);
+  vtkGetStringMacro(Transfer2DYAxisArray);
   ///@}
 
   ///@{
@@ -467,6 +490,7 @@ protected:
   int VectorMode = DISABLED;
   int VectorComponent = 0;
   char* OpacityArrayName = nullptr;
+  char* Transfer2DYAxisArray = nullptr;
   int VisibilityOrder = ORDER_AUTO;
   int PreIntegration = PREINTEGRATION_AUTO;
   int Projection = PROJECTION_EXACT;

@@ -140,6 +140,8 @@ void vtkChiProjectedTetrahedraMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent
      << "OpacityArrayName: " << (this->OpacityArrayName ? this->OpacityArrayName : "(none)")
      << "\n";
+  os << indent << "Transfer2DYAxisArray: "
+     << (this->Transfer2DYAxisArray ? this->Transfer2DYAxisArray : "(none)") << "\n";
   os << indent << "VisibilityOrder: " << this->VisibilityOrder << "\n";
   os << indent << "PreIntegration: " << this->PreIntegration << "\n";
   os << indent

@@ -62,7 +62,8 @@ std::string definitionsOf(const chi_tet_plan& plan)
 {
   return Define("TABLE_WIDTH", TABLE_WIDTH) + Define("PARALLEL", plan.parallel) +
     Define("CELL_DATA", plan.is_cell_data) + Define("HAS_CELLS", plan.cells ? 1 : 0) +
-    Define("SEPARATE", plan.opacities ? 1 : 0) +
+    Define("SEPARATE", plan.opacities || plan.seconds ? 1 : 0) +
+    Define("HAS_SECONDS", plan.seconds ? 1 : 0) + Define("HAS_PLANE", plan.plane ? 1 : 0) +
     Define("PLANES", static_cast<int>(plan.plane_count)) +
     Define("HAS_SURFACE", plan.depth ? 1 : 0) + Define("SHADED", plan.shades ? 1 : 0) +
     Define("MAXIMUM", isMaximum(plan) ? 1 : 0) + Define("METHOD", plan.tables.method) +
@@ -75,6 +76,25 @@ void setPair(vtkShaderProgram* program, const char* name, double x, double y)
 {
   const float pair[2] = { static_cast<float>(x), static_cast<float>(y) };
   program->SetUniform2f(name, pair);
+}
+
+// Where a table of two quantities is read.
+void setPlane(vtkShaderProgram* program, const chi_tet_plan& plan)
+{
+  const double last = plan.plane_rows - 1;
+  const float place[3] = { static_cast<float>(last / (plan.plane_range[1] - plan.plane_range[0])),
+    static_cast<float>(plan.plane_range[0]), static_cast<float>(last) };
+  const int size[2] = { plan.tables.count + 1, plan.plane_rows };
+  program->SetUniform2i("planeSize", size);
+  if (program->IsUniformUsed("planePlace"))
+  {
+    program->SetUniform3f("planePlace", place);
+  }
+  if (program->IsUniformUsed("planeStep"))
+  {
+    program->SetUniformf("planeStep", static_cast<float>(plan.plane_step));
+    program->SetUniformi("planeParts", plan.plane_parts);
+  }
 }
 }
 
@@ -93,6 +113,11 @@ std::string vtkChiTetGL::WhyNot(vtkOpenGLRenderWindow* window, const chi_tet_fra
   if (frame.params->occlusion_strength > 0.0 && frame.params->blend == CHI_TET_BLEND_COMPOSITE)
   {
     return "the OpenGL engine does not have occlusion of tetrahedra";
+  }
+  if (frame.transfer->plane && frame.params->blend == CHI_TET_BLEND_MAXIMUM)
+  {
+    return "the OpenGL engine has no maximum intensity under a transfer function of two "
+           "quantities";
   }
   int version[2] = { 0, 0 };
   window->GetOpenGLVersion(version[0], version[1]);
@@ -231,6 +256,8 @@ void vtkChiTetGL::ReadInputs(vtkShaderProgram* program, const chi_tet_plan& plan
   read("psiTexture", this->Inputs.GetPsi());
   read("depthTexture", this->Inputs.GetDepths());
   read("fullTexture", this->Inputs.GetFull());
+  read("planeTexture", this->Inputs.GetPlane());
+  read("secondTexture", this->Inputs.GetSeconds());
   read("surfaceTexture", this->Inputs.GetSurface());
   if (plan.shades)
   {
@@ -257,6 +284,10 @@ void vtkChiTetGL::SetView(vtkShaderProgram* program, const chi_tet_plan& plan)
   const float place[3] = { static_cast<float>(last / (tables.range[1] - tables.range[0])),
     static_cast<float>(tables.range[0]), static_cast<float>(last) };
   program->SetUniform3f("tablePlace", place);
+  if (plan.plane)
+  {
+    setPlane(program, plan);
+  }
   if (plan.plane_count > 0)
   {
     std::vector<float> planes(4 * plan.plane_count);
@@ -273,7 +304,7 @@ void vtkChiTetGL::SetView(vtkShaderProgram* program, const chi_tet_plan& plan)
 void vtkChiTetGL::DrawMaximum(const chi_tet_plan& plan)
 {
   vtkShaderProgram* program = this->Pass.Use(maximumShader(),
-    Define("TABLE_WIDTH", TABLE_WIDTH) +
+    Define("TABLE_WIDTH", TABLE_WIDTH) + Define("HAS_PLANE", 0) +
       Define("IMAGE_OPACITY", plan.opacity_convention == CHI_OPACITY_IMAGE ? 1 : 0));
   if (!program)
   {

@@ -98,7 +98,7 @@ bool vtkChiTetTextures::Update(vtkOpenGLRenderWindow* window, const chi_tet_plan
 {
   return this->UpdateMesh(window, plan) && this->UpdateValues(window, plan) &&
     this->UpdatePoints(window, plan) && this->UpdateTables(window, plan) &&
-    this->UpdateSurface(window, plan);
+    this->UpdatePlane(window, plan) && this->UpdateSurface(window, plan);
 }
 
 //------------------------------------------------------------------------------
@@ -178,7 +178,7 @@ bool vtkChiTetTextures::UpdateTables(vtkOpenGLRenderWindow* window, const chi_te
   {
     return false;
   }
-  if (tables.method != CHI_PREINTEGRATION_FULL)
+  if (!tables.full)
   {
     this->Depths->ReleaseGraphicsResources(window);
     this->Full->ReleaseGraphicsResources(window);
@@ -188,6 +188,29 @@ bool vtkChiTetTextures::UpdateTables(vtkOpenGLRenderWindow* window, const chi_te
     static_cast<std::size_t>(tables.full_size[1]), static_cast<std::size_t>(tables.full_size[2]) };
   return uploadList(this->Depths, window, FloatFormat(4), tables.depth[0], entries) &&
     Upload(this->Full, window, FloatFormat(4), size, tables.full);
+}
+
+//------------------------------------------------------------------------------
+bool vtkChiTetTextures::UpdatePlane(vtkOpenGLRenderWindow* window, const chi_tet_plan& plan)
+{
+  if (!plan.seconds)
+  {
+    this->Seconds->ReleaseGraphicsResources(window);
+  }
+  else if (!this->IsCurrent(window, this->Seconds, this->SecondsVersion, plan.scalars_version) &&
+    !uploadList(this->Seconds, window, FloatFormat(1), plan.seconds, plan.count))
+  {
+    return false;
+  }
+  if (!plan.plane)
+  {
+    this->Plane->ReleaseGraphicsResources(window);
+    return true;
+  }
+  const std::size_t entries =
+    (static_cast<std::size_t>(plan.tables.count) + 1) * static_cast<std::size_t>(plan.plane_rows);
+  return this->IsCurrent(window, this->Plane, this->PlaneVersion, plan.plane_version) ||
+    uploadList(this->Plane, window, FloatFormat(4), plan.plane[0], entries);
 }
 
 //------------------------------------------------------------------------------
@@ -205,10 +228,10 @@ bool vtkChiTetTextures::UpdateSurface(vtkOpenGLRenderWindow* window, const chi_t
 //------------------------------------------------------------------------------
 void vtkChiTetTextures::ReleaseGraphicsResources(vtkWindow* window)
 {
-  for (vtkTextureObject* texture :
-    { this->Sequence.Get(), this->Vertices.Get(), this->Points.Get(), this->Scalars.Get(),
-      this->Opacities.Get(), this->Cells.Get(), this->Shades.Get(), this->Colors.Get(),
-      this->Psi.Get(), this->Depths.Get(), this->Full.Get(), this->Surface.Get() })
+  for (vtkTextureObject* texture : { this->Sequence.Get(), this->Vertices.Get(), this->Points.Get(),
+         this->Scalars.Get(), this->Opacities.Get(), this->Cells.Get(), this->Shades.Get(),
+         this->Colors.Get(), this->Psi.Get(), this->Depths.Get(), this->Full.Get(),
+         this->Plane.Get(), this->Seconds.Get(), this->Surface.Get() })
   {
     texture->ReleaseGraphicsResources(window);
   }

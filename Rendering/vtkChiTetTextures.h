@@ -40,12 +40,15 @@ public:
   vtkTextureObject* GetPsi() { return this->Psi; } // a row a row
   vtkTextureObject* GetDepths() { return this->Depths; }
   vtkTextureObject* GetFull() { return this->Full; }
+  vtkTextureObject* GetPlane() { return this->Plane; } // a table of two quantities, row after row
+  vtkTextureObject* GetSeconds() { return this->Seconds; } // one a tetrahedron
   vtkTextureObject* GetSurface() { return this->Surface; }
 
 private:
   bool UpdateMesh(vtkOpenGLRenderWindow* window, const chi_tet_plan& plan);
   bool UpdateValues(vtkOpenGLRenderWindow* window, const chi_tet_plan& plan);
   bool UpdatePoints(vtkOpenGLRenderWindow* window, const chi_tet_plan& plan);
+  bool UpdatePlane(vtkOpenGLRenderWindow* window, const chi_tet_plan& plan);
   bool UpdateTables(vtkOpenGLRenderWindow* window, const chi_tet_plan& plan);
   bool UpdateSurface(vtkOpenGLRenderWindow* window, const chi_tet_plan& plan);
   bool IsCurrent(vtkOpenGLRenderWindow* window, vtkTextureObject* texture, std::uint64_t& has,
@@ -62,12 +65,16 @@ private:
   vtkNew<vtkTextureObject> Psi;
   vtkNew<vtkTextureObject> Depths;
   vtkNew<vtkTextureObject> Full;
+  vtkNew<vtkTextureObject> Plane;
+  vtkNew<vtkTextureObject> Seconds;
   vtkNew<vtkTextureObject> Surface;
   std::uint64_t SequenceVersion = 0;
   std::uint64_t VerticesVersion = 0;
   std::uint64_t PointsVersion = 0;
   std::uint64_t ScalarsVersion = 0;
   std::uint64_t TablesVersion = 0;
+  std::uint64_t PlaneVersion = 0;
+  std::uint64_t SecondsVersion = 0;
 };
 
 #endif

@@ -306,7 +306,11 @@ bool vtkChiVolumeInput::CollectTransfer(
     if (count == 1)
     {
       this->Shading.CollectGradientOpacity(property, this->Samples, &this->Transfer);
-      this->Shading.GetPlane()->Collect(property, this->Samples, second, &this->Transfer);
+      this->Shading.GetPlane()->Collect(property, this->Samples, 0, second, &this->Transfer);
+      if (second && this->Transfer.plane)
+      {
+        this->Shading.GetPlane()->CollectSecond(second, &this->Transfer);
+      }
     }
   }
   if (count == 1)

@@ -659,6 +659,18 @@ static double limit_of_points(const chi_tet* tet, const chi_tet_frame* f)
   return limit;
 }
 
+static void add_plane(const chi_tet* tet, chi_tet_plan* plan)
+{
+  const chi_tet_plane* const p = &tet->plane;
+  plan->plane = (const float(*)[4])p->entries.data;
+  plan->plane_rows = (int32_t)p->rows;
+  plan->plane_step = CHI_TET_PLANE_STEP;
+  plan->plane_parts = CHI_TET_PLANE_PARTS;
+  memcpy(plan->plane_range, p->key.plane_range, sizeof plan->plane_range);
+  plan->plane_version = p->version;
+  plan->seconds = tet->values.by_gradient ? (const float*)tet->values.gradients.data : NULL;
+}
+
 static chi_tet_plan make_plan(const chi_tet* tet, const chi_tet_frame* f, const chi_camera* full)
 {
   const chi_tet_values* const v = &tet->values;
@@ -666,7 +678,7 @@ static chi_tet_plan make_plan(const chi_tet* tet, const chi_tet_frame* f, const 
   return (chi_tet_plan){ .struct_size = sizeof(chi_tet_plan),
     .points = (const double*)tet->eye.points.data,
     .scalars = (const float*)v->scalars.data,
-    .opacities = v->separate ? (const float*)v->opacities.data : NULL,
+    .opacities = v->separate && !v->by_gradient ? (const float*)v->opacities.data : NULL,
     .point_count = m->point_count,
     .value_count = v->is_cell_data ? m->counts.cells : m->point_count,
     .vertices = (const uint32_t*)m->vertices.data,
@@ -740,6 +752,10 @@ chi_status chi_tet_describe(
   tet->frame_version += !tet->stats.reused;
   tet->described = key;
   *plan = make_plan(tet, f, &own.camera);
+  if (tet->values.by_plane)
+  {
+    add_plane(tet, plan);
+  }
   report(&tet->stats, &(chi_tet_tally){ .tetrahedra = (int64_t)tet->sequence_count });
   tet->stats.seconds_draw = 0;
   tet->stats.seconds_total = now() - start;

@@ -23,6 +23,9 @@ uniform vec2 firstPixel;
 uniform vec2 pixelStep;
 uniform float nearDepth;
 uniform float unit;       // world units a unit of the points
+#if HAS_PLANE
+uniform vec3 planePlace; // of the second quantity, likewise
+#endif
 uniform vec3 tablePlace;  // place of a scalar: times x, of its distance from y; at most z
 #if PLANES > 0
 uniform vec4 clip[PLANES]; // a x + b y + c z + d >= 0 stays
@@ -68,18 +71,19 @@ void cut(float slope, float depth, bool inside, inout vec2 interval)
   }
 }
 
-float tableAt(float value, vec2 range)
+float tableAt(float value, vec2 range, vec3 table)
 {
-  return clamp((clamp(value, range.x, range.y) - tablePlace.y) * tablePlace.x, 0.0, tablePlace.z);
+  return clamp((clamp(value, range.x, range.y) - table.y) * table.x, 0.0, table.z);
 }
 
 // Places in the tables of both ends of the interval.
-vec2 endsOf(vec4 field, vec2 range, vec2 interval, vec2 away, vec3 direction)
+vec2 endsOf(vec4 field, vec2 range, vec3 table, vec2 interval, vec2 away, vec3 direction)
 {
   float here = field.w + dot(field.xy, away);
   float slope = dot(field.xyz, direction);
   float front = here + slope * interval.x;
-  return vec2(tableAt(front, range), tableAt(front + slope * (interval.y - interval.x), range));
+  float back = front + slope * (interval.y - interval.x);
+  return vec2(tableAt(front, range, table), tableAt(back, range, table));
 }
 
 void main()
@@ -130,9 +134,11 @@ void main()
   }
 
   vec2 away = awayFrom(firstPlace, firstDepth, pixel, ray);
-  vec2 x = endsOf(scalarField, fieldRange.xy, interval, away, direction);
-#if SEPARATE
-  vec2 y = endsOf(opacityField, fieldRange.zw, interval, away, direction);
+  vec2 x = endsOf(scalarField, fieldRange.xy, tablePlace, interval, away, direction);
+#if HAS_PLANE
+  vec2 y = endsOf(opacityField, fieldRange.zw, planePlace, interval, away, direction);
+#elif SEPARATE
+  vec2 y = endsOf(opacityField, fieldRange.zw, tablePlace, interval, away, direction);
 #else
   vec2 y = x;
 #endif

@@ -29,7 +29,38 @@ vec4 linearSegment(vec3 front, vec3 back, vec2 extinction, float path)
 }
 #endif
 
-#if SEPARATE
+#if HAS_PLANE
+uniform float planeStep; // entries that a part may cross
+uniform int planeParts;  // at most
+
+// From (x.x, y.x) to (x.y, y.y), in parts that are integrated partially.
+vec4 segmentOf(vec2 x, vec2 y, float path)
+{
+  vec2 from = vec2(x.x, y.x);
+  vec2 way = vec2(x.y, y.y) - from;
+#if METHOD == METHOD_NONE
+  vec4 middle = planeAt(from + 0.5 * way);
+  float clear = exp(-middle.a * path);
+  return vec4(middle.rgb * (1.0 - clear), clear);
+#else
+  int parts = 1;
+#if METHOD == METHOD_FULL
+  parts = min(int(max(abs(way.x), abs(way.y)) / planeStep) + 1, planeParts);
+#endif
+  vec4 sum = vec4(0.0, 0.0, 0.0, 1.0);
+  vec4 front = planeAt(from);
+  for (int k = 1; k <= parts; ++k)
+  {
+    vec4 back = planeAt(from + way * min(float(k) / float(parts), 1.0));
+    vec4 part = linearSegment(front.rgb, back.rgb, vec2(front.a, back.a), path / float(parts));
+    sum = vec4(sum.rgb + sum.a * part.rgb, sum.a * part.a);
+    front = back;
+  }
+  return sum;
+#endif
+}
+
+#elif SEPARATE
 // Colours at x, extinctions at y.
 vec4 segmentOf(vec2 x, vec2 y, float path)
 {

@@ -22,6 +22,9 @@ uniform sampler2D opacityTexture;
 uniform usampler2D cellTexture; // index of a tetrahedron's values
 #endif
 #endif
+#if HAS_SECONDS
+uniform sampler2D secondTexture; // what opacity is looked up at, one a tetrahedron
+#endif
 uniform int firstInstance;
 uniform vec2 firstPixel; // centre of pixel (0, 0), at depth 1 or units of the points
 uniform vec2 pixelStep;
@@ -161,6 +164,9 @@ void main()
   firstPlace = placeOf(0);
   firstDepth = high[0].z;
 
+#if HAS_SECONDS
+  float second = texelFetch(secondTexture, rowOf(int(tetrahedron)), 0).r;
+#endif
 #if CELL_DATA
 #if HAS_CELLS
   int at = int(texelFetch(cellTexture, rowOf(int(tetrahedron)), 0).r);
@@ -169,13 +175,19 @@ void main()
 #endif
   scalarField = vec4(0.0, 0.0, 0.0, texelFetch(scalarTexture, rowOf(at), 0).r);
   opacityField = vec4(0.0);
-#if SEPARATE
+#if HAS_SECONDS
+  opacityField.w = second;
+#elif SEPARATE
   opacityField.w = texelFetch(opacityTexture, rowOf(at), 0).r;
 #endif
   fieldRange = vec4(scalarField.ww, opacityField.ww);
 #else
   vec4 scalars = vec4(value[0].x, value[1].x, value[2].x, value[3].x);
+#if HAS_SECONDS
+  vec4 opacities = vec4(second);
+#else
   vec4 opacities = vec4(value[0].y, value[1].y, value[2].y, value[3].y);
+#endif
   scalarField = fieldOf(scalars, n1, n2, n3, determinant);
   opacityField = fieldOf(opacities, n1, n2, n3, determinant);
   fieldRange = vec4(rangeOf(scalars), rangeOf(opacities));

@@ -1,11 +1,14 @@
 # SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""vtkChiTransferFunction2D, alone and in the mapper of volumes."""
+"""vtkChiTransferFunction2D, alone and in the mappers of volumes and of tetrahedra."""
 import unittest
 
 import numpy as np
+from each_engine import InEachEngine, InOpenGL
 from occlusion_scene import Messages, Scene, erode, float_image, marschner_lobb, volume_property
+from tetrahedra_scene import TetScene, cube, even, extinction, hexahedra_of, lattice, mesh, paths
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.util.vtkConstants import VTK_HEXAHEDRON
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
@@ -222,6 +225,110 @@ class InTheVolumeMapper(unittest.TestCase):
         self.assertIsNone(mapper.GetTransferFunction2D())
         scene.window.Render()
         self.assertGreater(float_image(mapper)[40, 32, 3], 0.1) # the property's functions
+
+
+class InTheTetrahedraMapper(InEachEngine):
+    def test_the_gradient_of_a_ramp_is_its_slope_times_the_edge_of_a_mean_cell(self):
+        n = 4
+        data = cube(n, field=lambda x, y, z: x + 0.5)
+        slope = (1.0 / (6 * n**3)) ** (1 / 3) # tetrahedra are the cells
+        for share, expected in ((1.0, 1.0), (1.5, 0.0)):
+            function = vtkChiTransferFunction2D()
+            middle = share * slope
+            function.AddRectangle(-1.0, 2.0, 0.8 * middle, 1.2 * middle, (1.0, 0.5, 0.25, 0.5))
+            scene = TetScene(data, extinction(1.0, 0.25))
+            scene.mapper.SetTransferFunction2D(function)
+            scene.look((-0.5, -0.35, -0.8), half=0.8, parallel=False)
+            rgba = scene.rgba()
+            self.assertEqual((scene.messages.errors, scene.messages.warnings), ([], []))
+            alpha = expected * (1.0 - np.exp(-0.5 / 0.25 * paths(scene.renderer, 64, 64)))
+            self.assertLess(np.abs(rgba[..., 3] - alpha).max(), 1e-4) # the bound of even meshes
+            self.assertLess(np.abs(rgba[..., 1] - 0.5 * alpha).max(), 1e-4)
+
+    def test_a_second_array_of_points_and_of_cells(self):
+        n = 4
+        points = lattice(n)
+        corners = hexahedra_of(n)
+        for of_cells in (False, True):
+            places = points[corners].mean(axis=1) if of_cells else points
+            ones = {"cell_scalars" if of_cells else "scalars": np.ones(len(places), np.float32)}
+            data = mesh(points, corners, VTK_HEXAHEDRON, **ones)
+            other = numpy_to_vtk(np.ascontiguousarray(places[:, 1]), deep=True)
+            other.SetName("height")
+            (data.GetCellData() if of_cells else data.GetPointData()).AddArray(other)
+            function = vtkChiTransferFunction2D()
+            function.AddRectangle(-1.0, 2.0, 0.0, 1.0, (1.0, 1.0, 1.0, 0.5)) # the upper half
+            scene = TetScene(data, even(1.0))
+            scene.mapper.SetTransferFunction2D(function)
+            scene.mapper.SetTransfer2DYAxisArray("height")
+            scene.look(half=0.5)
+            alpha = scene.rgba()[..., 3]
+            # but for a step of the table: 1/256 of the height
+            np.testing.assert_allclose(alpha[33:], 1.0 - np.exp(-0.5), atol=1e-4)
+            self.assertLess(alpha[:31].max(), 1e-6)
+            scene.mapper.SetTransfer2DYAxisArray("width")
+            scene.rgba()
+            self.assertIn("'width'", scene.messages.warnings[-1])
+
+    def test_the_property_may_have_the_function(self):
+        low, high = 0.0, 1.0
+        function = blobs(0.1)
+        table = vtkImageData()
+        function.GetTable(512, 512, low, high, 0.0, 0.25 * (high - low), table)
+        pictures = []
+        for by_property in (False, True):
+            prop = extinction(1.0, 0.02)
+            if by_property:
+                prop.SetTransferFunctionModeTo2D()
+                prop.SetTransferFunction2D(table)
+            scene = TetScene(cube(8, field=lambda x, y, z: (x + 0.5) ** 2), prop)
+            if not by_property:
+                scene.mapper.SetTransferFunction2D(function)
+            scene.look((-0.5, -0.35, -0.8), half=0.8)
+            pictures.append(scene.rgba())
+        self.assertGreater(pictures[0][..., 3].max(), 0.3)
+        # gradients are constant in a cell and its rows are two tables' between entries
+        self.assertLess(255.0 * np.abs(pictures[0] - pictures[1]).max(), 1.0)
+
+    def test_what_cannot_be_along_with_it_is_named(self):
+        scene = TetScene(cube(2), even(1.0))
+        scene.mapper.SetOpacityArrayName("density")
+        scene.mapper.SetTransferFunction2D(blobs(0.1))
+        scene.mapper.SetProjectionToPublished()
+        scene.rgba()
+        self.assertEqual(scene.messages.errors, [])
+        self.assertTrue(any("opacity array" in text for text in scene.messages.warnings))
+        self.assertTrue(any("published projection" in text for text in scene.messages.warnings))
+
+
+class InTheTetrahedraMapperInOpenGL(InOpenGL, InTheTetrahedraMapper):
+    pass
+
+
+class BothEnginesOfTetrahedra(unittest.TestCase):
+    def test_draw_the_same(self):
+        def field(x, y, z):
+            return 0.5 + 0.25 * np.sin(5.0 * x + 3.0 * y * z) + 0.25 * np.cos(7.0 * y - 4.0 * z)
+
+        data = cube(6, field=field)
+        other = numpy_to_vtk(np.ascontiguousarray(lattice(6)[:, 2] + 0.5), deep=True)
+        other.SetName("depth")
+        data.GetPointData().AddArray(other)
+        for second in (None, "depth"):
+            for method in ("None", "Partial", "Full"):
+                pictures = []
+                for engine in (InEachEngine.ENGINE, InOpenGL.ENGINE):
+                    InEachEngine.now = engine
+                    scene = TetScene(data, extinction(1.0, 0.1))
+                    getattr(scene.mapper, "SetPreIntegrationTo" + method)()
+                    scene.mapper.SetTransferFunction2D(blobs(0.15, 1.0 if second else 0.2))
+                    scene.mapper.SetTransfer2DYAxisArray(second)
+                    scene.look((-0.5, -0.35, -0.8), half=0.8, parallel=False)
+                    pictures.append(scene.rgba())
+                difference = 255.0 * np.abs(pictures[0] - pictures[1])
+                print(f"{second}, {method}: mean {difference.mean():.5f}, most {difference.max():.4f} of 255")
+                self.assertGreater(pictures[0][..., 3].max(), 0.3)
+                self.assertLess(difference.max(), 0.5) # psi by table and by quadrature, 2e-3
 
 
 if __name__ == "__main__":

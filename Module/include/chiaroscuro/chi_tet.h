@@ -303,6 +303,17 @@ typedef struct chi_tet_plan
   const float* colors; /**< [point_count x 3], or of cells [value_count x 3], 0 ... 1, linear in
                           each tetrahedron: direct colours, of which `tables` knows nothing
                           (chi_preintegration_params.direct_color); NULL: those of the tables */
+  /** A table of two quantities, colour and extinction, [plane_rows][tables.count + 1], each row's
+   * last entry twice; linear between entries: x as of `tables`, which are those of a bound, y over
+   * plane_range. Then `opacities` are the second quantity. NULL: none. The method `full` cuts
+   * segments into parts of plane_step entries along either axis, plane_parts of them at most, and
+   * integrates each partially. */
+  const float (*plane)[4];
+  int32_t plane_rows, plane_parts;
+  double plane_step, plane_range[2];
+  uint64_t plane_version;
+  const float* seconds; /**< [count] the second quantity of each tetrahedron; NULL: of points or
+                             cells */
 } chi_tet_plan;
 
 /**

@@ -16,8 +16,11 @@ enum
   CHI_TET_TILE_SHIFT = 6,
   CHI_TET_TILE_PIXELS = CHI_TET_TILE * CHI_TET_TILE,
   CHI_TET_CUTS = 32,      /* clip planes */
-  CHI_TET_QUANTITIES = 5, /* that may be linear in a tetrahedron: scalar, the opacity's, */
-  CHI_TET_COLORS = 2      /* and from here direct colours */
+  CHI_TET_PLANE_STEP = 2, /* entries of a table of two quantities that a part of a segment may cross
+                             either way: colour and extinction are taken as linear in it */
+  CHI_TET_PLANE_PARTS = 64, /* of a segment at most */
+  CHI_TET_QUANTITIES = 5,   /* that may be linear in a tetrahedron: scalar, the opacity's, */
+  CHI_TET_COLORS = 2        /* and from here direct colours */
 };
 
 /* World units. Tetrahedra with a vertex that is farther from the eye along an axis are left out:

@@ -23,12 +23,6 @@ CHI_INLINE void plane_at(const chi_tet_scene* s, vf x, vf y, vf out[4])
   }
 }
 
-enum
-{
-  PLANE_STEP = 2,  /* entries that a part of a segment may cross either way: */
-  PLANE_PARTS = 64 /* colour and extinction are taken as linear in it */
-};
-
 /*
  * Premultiplied colour and transmittance of a segment from (x0, y0) to (x1, y1): of full
  * pre-integration in parts along both axes at once, of which each is integrated as partially; of
@@ -52,8 +46,8 @@ CHI_INLINE void segment_plane(
   vf parts = vf_set(1);
   if (method == CHI_PREINTEGRATION_FULL)
   {
-    const vf crossed = vf_max(vf_max(dx, -dx), vf_max(dy, -dy)) * (1.0f / PLANE_STEP);
-    parts = vf_min(vi_float(vf_int(crossed)) + 1.0f, vf_set(PLANE_PARTS));
+    const vf crossed = vf_max(vf_max(dx, -dx), vf_max(dy, -dy)) * (1.0f / CHI_TET_PLANE_STEP);
+    parts = vf_min(vi_float(vf_int(crossed)) + 1.0f, vf_set(CHI_TET_PLANE_PARTS));
   }
   const vf share = 1.0f / parts;
   out[0] = out[1] = out[2] = vf_set(0);
