@@ -8,6 +8,7 @@
 #include "vtkChiTetGL.h"
 
 #include "vtkChiGLTools.h"
+#include "vtkChiTetColorFunctions.h"
 #include "vtkChiTetEnlargeFS.h"
 #include "vtkChiTetFS.h"
 #include "vtkChiTetMaximumFS.h"
@@ -42,8 +43,8 @@ const char* vertexShader()
 
 const char* fragmentShader()
 {
-  static const std::string whole =
-    withFunctions(vtkChiTetFS, std::string(vtkChiTetTableFunctions) + vtkChiTetSegmentFunctions);
+  static const std::string whole = withFunctions(vtkChiTetFS,
+    std::string(vtkChiTetTableFunctions) + vtkChiTetSegmentFunctions + vtkChiTetColorFunctions);
   return whole.c_str();
 }
 
@@ -63,8 +64,8 @@ std::string definitionsOf(const chi_tet_plan& plan)
   return Define("TABLE_WIDTH", TABLE_WIDTH) + Define("PARALLEL", plan.parallel) +
     Define("CELL_DATA", plan.is_cell_data) + Define("HAS_CELLS", plan.cells ? 1 : 0) +
     Define("SEPARATE", plan.opacities || plan.seconds ? 1 : 0) +
-    Define("HAS_SECONDS", plan.seconds ? 1 : 0) + Define("HAS_PLANE", plan.plane ? 1 : 0) +
-    Define("PLANES", static_cast<int>(plan.plane_count)) +
+    Define("DIRECT", plan.colors ? 1 : 0) + Define("HAS_SECONDS", plan.seconds ? 1 : 0) +
+    Define("HAS_PLANE", plan.plane ? 1 : 0) + Define("PLANES", static_cast<int>(plan.plane_count)) +
     Define("HAS_SURFACE", plan.depth ? 1 : 0) + Define("SHADED", plan.shades ? 1 : 0) +
     Define("MAXIMUM", isMaximum(plan) ? 1 : 0) + Define("METHOD", plan.tables.method) +
     Define("METHOD_NONE", CHI_PREINTEGRATION_NONE) +
@@ -101,11 +102,6 @@ void setPlane(vtkShaderProgram* program, const chi_tet_plan& plan)
 //------------------------------------------------------------------------------
 std::string vtkChiTetGL::WhyNot(vtkOpenGLRenderWindow* window, const chi_tet_frame& frame)
 {
-  if (frame.field->colors)
-  {
-    return "the OpenGL engine looks colours up, and does not draw given ones (four dependent "
-           "components)";
-  }
   if (frame.params->projection == CHI_TET_PROJECTION_PUBLISHED)
   {
     return "the published projection is drawn by the CPU engine alone";
@@ -114,10 +110,12 @@ std::string vtkChiTetGL::WhyNot(vtkOpenGLRenderWindow* window, const chi_tet_fra
   {
     return "the OpenGL engine does not have occlusion of tetrahedra";
   }
-  if (frame.transfer->plane && frame.params->blend == CHI_TET_BLEND_MAXIMUM)
+  // the largest of one number carries nothing else along
+  if (frame.params->blend == CHI_TET_BLEND_MAXIMUM &&
+    (frame.transfer->plane || frame.field->colors))
   {
-    return "the OpenGL engine has no maximum intensity under a transfer function of two "
-           "quantities";
+    return "the OpenGL engine has maximum intensity of one quantity alone, without given colours "
+           "(four dependent components) and two-dimensional transfer functions";
   }
   int version[2] = { 0, 0 };
   window->GetOpenGLVersion(version[0], version[1]);
@@ -256,6 +254,7 @@ void vtkChiTetGL::ReadInputs(vtkShaderProgram* program, const chi_tet_plan& plan
   read("psiTexture", this->Inputs.GetPsi());
   read("depthTexture", this->Inputs.GetDepths());
   read("fullTexture", this->Inputs.GetFull());
+  read("directTexture", this->Inputs.GetDirect());
   read("planeTexture", this->Inputs.GetPlane());
   read("secondTexture", this->Inputs.GetSeconds());
   read("surfaceTexture", this->Inputs.GetSurface());

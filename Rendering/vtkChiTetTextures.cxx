@@ -98,7 +98,8 @@ bool vtkChiTetTextures::Update(vtkOpenGLRenderWindow* window, const chi_tet_plan
 {
   return this->UpdateMesh(window, plan) && this->UpdateValues(window, plan) &&
     this->UpdatePoints(window, plan) && this->UpdateTables(window, plan) &&
-    this->UpdatePlane(window, plan) && this->UpdateSurface(window, plan);
+    this->UpdateDirect(window, plan) && this->UpdatePlane(window, plan) &&
+    this->UpdateSurface(window, plan);
 }
 
 //------------------------------------------------------------------------------
@@ -191,6 +192,26 @@ bool vtkChiTetTextures::UpdateTables(vtkOpenGLRenderWindow* window, const chi_te
 }
 
 //------------------------------------------------------------------------------
+bool vtkChiTetTextures::UpdateDirect(vtkOpenGLRenderWindow* window, const chi_tet_plan& plan)
+{
+  if (!plan.colors)
+  {
+    this->Direct->ReleaseGraphicsResources(window);
+    return true;
+  }
+  if (this->IsCurrent(window, this->Direct, this->DirectVersion, plan.scalars_version))
+  {
+    return true;
+  }
+  std::vector<float> texels(4 * plan.value_count);
+  for (std::size_t i = 0; i < plan.value_count; ++i)
+  {
+    std::copy_n(plan.colors + 3 * i, 3, &texels[4 * i]);
+  }
+  return uploadList(this->Direct, window, FloatFormat(4), texels.data(), plan.value_count);
+}
+
+//------------------------------------------------------------------------------
 bool vtkChiTetTextures::UpdatePlane(vtkOpenGLRenderWindow* window, const chi_tet_plan& plan)
 {
   if (!plan.seconds)
@@ -231,7 +252,7 @@ void vtkChiTetTextures::ReleaseGraphicsResources(vtkWindow* window)
   for (vtkTextureObject* texture : { this->Sequence.Get(), this->Vertices.Get(), this->Points.Get(),
          this->Scalars.Get(), this->Opacities.Get(), this->Cells.Get(), this->Shades.Get(),
          this->Colors.Get(), this->Psi.Get(), this->Depths.Get(), this->Full.Get(),
-         this->Plane.Get(), this->Seconds.Get(), this->Surface.Get() })
+         this->Direct.Get(), this->Plane.Get(), this->Seconds.Get(), this->Surface.Get() })
   {
     texture->ReleaseGraphicsResources(window);
   }

@@ -40,7 +40,8 @@ public:
   vtkTextureObject* GetPsi() { return this->Psi; } // a row a row
   vtkTextureObject* GetDepths() { return this->Depths; }
   vtkTextureObject* GetFull() { return this->Full; }
-  vtkTextureObject* GetPlane() { return this->Plane; } // a table of two quantities, row after row
+  vtkTextureObject* GetDirect() { return this->Direct; } // given colours of points, or of cells
+  vtkTextureObject* GetPlane() { return this->Plane; }   // a table of two quantities, row after row
   vtkTextureObject* GetSeconds() { return this->Seconds; } // one a tetrahedron
   vtkTextureObject* GetSurface() { return this->Surface; }
 
@@ -48,6 +49,7 @@ private:
   bool UpdateMesh(vtkOpenGLRenderWindow* window, const chi_tet_plan& plan);
   bool UpdateValues(vtkOpenGLRenderWindow* window, const chi_tet_plan& plan);
   bool UpdatePoints(vtkOpenGLRenderWindow* window, const chi_tet_plan& plan);
+  bool UpdateDirect(vtkOpenGLRenderWindow* window, const chi_tet_plan& plan);
   bool UpdatePlane(vtkOpenGLRenderWindow* window, const chi_tet_plan& plan);
   bool UpdateTables(vtkOpenGLRenderWindow* window, const chi_tet_plan& plan);
   bool UpdateSurface(vtkOpenGLRenderWindow* window, const chi_tet_plan& plan);
@@ -65,6 +67,7 @@ private:
   vtkNew<vtkTextureObject> Psi;
   vtkNew<vtkTextureObject> Depths;
   vtkNew<vtkTextureObject> Full;
+  vtkNew<vtkTextureObject> Direct;
   vtkNew<vtkTextureObject> Plane;
   vtkNew<vtkTextureObject> Seconds;
   vtkNew<vtkTextureObject> Surface;
@@ -73,6 +76,7 @@ private:
   std::uint64_t PointsVersion = 0;
   std::uint64_t ScalarsVersion = 0;
   std::uint64_t TablesVersion = 0;
+  std::uint64_t DirectVersion = 0;
   std::uint64_t PlaneVersion = 0;
   std::uint64_t SecondsVersion = 0;
 };

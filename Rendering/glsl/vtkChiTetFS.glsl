@@ -146,7 +146,14 @@ void main()
   gl_FragData[0] = vec4(max(x.x, x.y), max(y.x, y.y), 0.0, 0.0);
 #else
   float path = (interval.y - interval.x) * unit * length(direction);
+#if DIRECT
+  vec3 front;
+  vec3 back;
+  directAt(int(cell.x), interval, away, direction, front, back);
+  vec4 segment = directSegment(x, path, front, back);
+#else
   vec4 segment = segmentOf(x, y, path); // premultiplied colour, transmittance
+#endif
   float alpha = 1.0 - segment.a;
 #if SHADED
   int first = 3 * int(cell.x);

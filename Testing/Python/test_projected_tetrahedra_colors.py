@@ -5,6 +5,8 @@ closed forms, and against what vtkProjectedTetrahedraMapper makes of the same ar
 import unittest
 
 import numpy as np
+from each_engine import InEachEngine, InOpenGL
+from occlusion_scene import float_image
 from tetrahedra_scene import TetScene, cube, even, extinction, lattice, mesh, paths, tetrahedra_of
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkDataObject
@@ -46,7 +48,7 @@ def pictures(data, prop, mapper=None, direction=OBLIQUE):
     return scene.pixels(), scene
 
 
-class Even(unittest.TestCase):
+class Even(InEachEngine):
     def test_every_type_of_points_and_cells(self):
         for dtype in (np.uint8, np.float32, np.float64):
             for cells in (False, True):
@@ -119,7 +121,7 @@ class Even(unittest.TestCase):
         self.assertGreater(own[0].mean(), 3.0 * own[1].mean())
 
 
-class Linear(unittest.TestCase):
+class Linear(InEachEngine):
     def ramp(self, axis):
         """Red rises from 0 to 1 along an axis, green falls, blue is 1/4; the fourth component is 1/2."""
         x = lattice(N)[:, axis] + 0.5
@@ -166,7 +168,11 @@ class Linear(unittest.TestCase):
         scene = TetScene(block(rgba), given(((0.0, 0.0), (1.0, 1.0))))
         scene.mapper.SetBlendModeToMaximumIntensity()
         scene.look((0, 0, -1), half=0.5, parallel=True)
-        got = scene.rgba()
+        scene.window.Render()
+        got = float_image(scene.mapper)
+        if scene.mapper.GetEngine() == scene.mapper.ENGINE_OPENGL: # which leaves this to the CPU engine
+            self.assertEqual(scene.mapper.GetEngineInUse(), scene.mapper.ENGINE_CPU)
+            self.assertIn("four dependent components", scene.mapper.GetEngineReason())
         x = (np.arange(64) + 0.5) / 64.0
         np.testing.assert_allclose(got[..., 3], 1.0, atol=1e-5)
         self.assertLess(np.abs(got[..., 0] - x).max(), FLOAT)
@@ -192,7 +198,7 @@ class Linear(unittest.TestCase):
         np.testing.assert_allclose(factors[1], 0.25, atol=1e-4) # n.l = 0
 
 
-class Choice(unittest.TestCase):
+class Choice(InEachEngine):
     def test_changes_are_seen(self):
         rgba = tuples(COLOR, OPACITY, (N + 1) ** 3, np.float32)
         data = block(rgba)
@@ -244,25 +250,47 @@ class Choice(unittest.TestCase):
         selector.SetFieldAssociation(vtkDataObject.FIELD_ASSOCIATION_CELLS)
         self.assertEqual(selector.Select().GetNumberOfNodes(), 1)
 
-    def test_the_opengl_engine_says_that_it_does_not_draw_them(self):
-        data = block(tuples(COLOR, OPACITY, (N + 1) ** 3, np.float32))
-        prop = given(((0.0, 0.0), (1.0, 1.0)))
-        _, scene = pictures(data, prop)
-        by_cpu = scene.rgba()
-        scene.mapper.SetEngineToOpenGL()
-        np.testing.assert_array_equal(scene.rgba(), by_cpu)
-        self.assertEqual(scene.mapper.GetEngineInUse(), scene.mapper.ENGINE_CPU)
-        self.assertIn("four dependent components", scene.mapper.GetEngineReason())
-        prop.IndependentComponentsOn()
-        scene.window.Render()
-        self.assertEqual(scene.mapper.GetEngineInUse(), scene.mapper.ENGINE_OPENGL)
-
     def test_one_component_is_drawn_as_ever(self):
         scene = TetScene(cube(2), even(2.0))
         scene.look(OBLIQUE, half=1.0)
         first = scene.rgba()
         scene.volume.GetProperty().IndependentComponentsOff()
         np.testing.assert_array_equal(scene.rgba(), first)
+
+
+class EvenInOpenGL(InOpenGL, Even):
+    pass
+
+
+class LinearInOpenGL(InOpenGL, Linear):
+    pass
+
+
+class ChoiceInOpenGL(InOpenGL, Choice):
+    pass
+
+
+class BothEngines(unittest.TestCase):
+    def test_draw_the_same(self):
+        n = 6
+        points = lattice(n)
+        for cells in (False, True):
+            places = points[tetrahedra_of(n)].mean(axis=1) if cells else points
+            x, y, z = places.T
+            waves = (0.5 + 0.5 * np.sin(5.0 * x), 0.5 + 0.5 * np.sin(4.0 * y - x), z + 0.5)
+            rgba = np.stack([*waves, 0.5 + 0.3 * np.sin(6.0 * x - 5.0 * z)], -1).astype(np.float32)
+            for method in ("None", "Partial", "Full"):
+                seen = []
+                for engine in (InEachEngine.ENGINE, InOpenGL.ENGINE):
+                    InEachEngine.now = engine
+                    scene = TetScene(block(rgba, cells, n), given(((0.0, 0.0), (0.4, 0.1), (0.6, 1.0), (1.0, 0.2)), 0.2))
+                    getattr(scene.mapper, "SetPreIntegrationTo" + method)()
+                    scene.look(OBLIQUE, half=0.8, parallel=False)
+                    seen.append(scene.rgba())
+                difference = 255.0 * np.abs(seen[0] - seen[1])
+                print(f"cells {cells}, {method}: mean {difference.mean():.5f}, most {difference.max():.4f} of 255")
+                self.assertGreater(seen[0][..., 3].max(), 0.3)
+                self.assertLess(difference.max(), 0.5) # psi by table and by quadrature, 2e-3
 
 
 if __name__ == "__main__":
