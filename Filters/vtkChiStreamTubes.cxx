@@ -3,12 +3,12 @@
 #include "vtkChiStreamTubes.h"
 
 #include "vtkCellData.h"
+#include "vtkChiCarry.h"
 #include "vtkChiExec.h"
 #include "vtkChiPages.h"
 #include "vtkChiViews.h"
 #include "vtkDataArray.h"
 #include "vtkFloatArray.h"
-#include "vtkIdList.h"
 #include "vtkIdTypeArray.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -74,41 +74,6 @@ std::string NameOf(vtkAbstractArray* array)
   return array->GetName() ? std::string("\"") + array->GetName() + "\"" : std::string("(unnamed)");
 }
 
-// Ids of the input tuples for arrays that the core cannot carry itself.
-vtkSmartPointer<vtkIdList> ToIdList(const std::vector<int64_t>& ids, vtkIdType offset)
-{
-  auto list = vtkSmartPointer<vtkIdList>::New();
-  list->SetNumberOfIds(static_cast<vtkIdType>(ids.size()));
-  for (size_t i = 0; i < ids.size(); ++i)
-  {
-    list->SetId(static_cast<vtkIdType>(i), static_cast<vtkIdType>(ids[i]) + offset);
-  }
-  return list;
-}
-
-vtkSmartPointer<vtkAbstractArray> NewLike(vtkAbstractArray* in, vtkIdType tuples)
-{
-  auto out = vtkSmartPointer<vtkAbstractArray>::Take(in->NewInstance());
-  out->SetNumberOfComponents(in->GetNumberOfComponents());
-  out->SetNumberOfTuples(tuples);
-  out->SetName(in->GetName());
-  out->CopyComponentNames(in);
-  return out;
-}
-
-// Add an array under the role (scalars, vectors, ...) that the original has; normals and texture
-// coordinates are the tube's own.
-void AddLike(
-  vtkDataSetAttributes* out, vtkAbstractArray* array, vtkDataSetAttributes* in, int index)
-{
-  const int added = out->AddArray(array);
-  const int role = in->IsArrayAnAttribute(index);
-  if (role >= 0 && role != vtkDataSetAttributes::NORMALS && role != vtkDataSetAttributes::TCOORDS)
-  {
-    out->SetActiveAttribute(added, role);
-  }
-}
-
 chi_status CarryPointData(const Request& r, int target, vtkPolyData* output)
 {
   vtkPointData* const in = r.Input->GetPointData();
@@ -117,7 +82,7 @@ chi_status CarryPointData(const Request& r, int target, vtkPolyData* output)
   for (int i = 0; i < in->GetNumberOfArrays(); ++i)
   {
     vtkAbstractArray* const source = in->GetAbstractArray(i);
-    auto array = NewLike(source, static_cast<vtkIdType>(count));
+    auto array = vtkChiNewLike(source, static_cast<vtkIdType>(count));
     vtkDataArray* const numbers = vtkDataArray::SafeDownCast(source);
     vtkDataArray* const result = vtkDataArray::SafeDownCast(array);
     if (count > 0 && vtkChiArrayView::IsDirect(numbers) && vtkChiArrayView::IsDirect(result))
@@ -140,11 +105,11 @@ chi_status CarryPointData(const Request& r, int target, vtkPolyData* output)
         {
           return status;
         }
-        nearest = ToIdList(ids, 0);
+        nearest = vtkChiToIdList(ids);
       }
       source->GetTuples(nearest, array);
     }
-    AddLike(output->GetPointData(), array, in, i);
+    vtkChiAddLike(output->GetPointData(), array, in, i);
   }
   return CHI_OK;
 }
@@ -153,16 +118,16 @@ chi_status CarryPointData(const Request& r, int target, vtkPolyData* output)
 void CarryCellData(const Request& r, vtkPolyData* output, const std::vector<int64_t>& lines)
 {
   vtkCellData* const in = r.Input->GetCellData();
-  const auto ids = ToIdList(lines, r.Input->GetNumberOfVerts());
+  const auto ids = vtkChiToIdList(lines, r.Input->GetNumberOfVerts());
   for (int i = 0; i < in->GetNumberOfArrays(); ++i)
   {
     vtkAbstractArray* const source = in->GetAbstractArray(i);
-    auto array = NewLike(source, ids->GetNumberOfIds());
+    auto array = vtkChiNewLike(source, ids->GetNumberOfIds());
     if (ids->GetNumberOfIds() > 0)
     {
       source->GetTuples(ids, array);
     }
-    AddLike(output->GetCellData(), array, in, i);
+    vtkChiAddLike(output->GetCellData(), array, in, i);
   }
   vtkNew<vtkIdTypeArray> lineIds;
   lineIds->SetName("LineId");
