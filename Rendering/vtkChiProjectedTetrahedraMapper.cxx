@@ -350,6 +350,12 @@ void vtkChiProjectedTetrahedraMapper::CollectParameters(vtkRenderer* renderer, v
   params.automatic_unit_distance = this->AutomaticUnitDistance ? 1 : 0;
   params.fragment_cache_bytes = static_cast<std::size_t>(this->FragmentCacheLimit) << 20;
   params.reduction = this->ImageReduction;
+  params.occlusion_strength = this->OcclusionStrength;
+  params.cone_angle_degrees = this->ConeAngle;
+  params.occlusion_bias = std::max(this->OcclusionBias, 0.0);
+  params.direction_count = this->NumberOfDirections;
+  params.occlusion_slabs = this->NumberOfOcclusionSlabs;
+  params.full_size_light = this->OcclusionResolution == FULL ? 1 : 0;
   const double allotted = volume->GetAllocatedRenderTime();
   if (this->AutoAdjustQuality && in.FullSeconds > allotted && allotted > 0.0)
   {

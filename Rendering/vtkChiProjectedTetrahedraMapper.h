@@ -116,6 +116,11 @@ public:
     PROJECTION_EXACT = 0,
     PROJECTION_PUBLISHED = 1
   };
+  enum OcclusionResolutions
+  {
+    FULL = 0,
+    HALF = 1
+  };
   enum SkippingKinds
   {
     SKIP_TRANSPARENT = 2, // tetrahedra whose opacity is 0 over their range of scalars
@@ -266,6 +271,67 @@ public:
    * The unit distance that the last frame was drawn with, world units; 0 before the first.
    */
   double GetUsedUnitDistance();
+
+  ///@{
+  /**
+   * How much of the darkening by occlusion is applied: 0, the default, is none, and costs nothing;
+   * 1 the full darkening. Matter is as bright as the part of a cone of light about the direction to
+   * the eye that gets to it past the mesh in front (Schott et al. 2009), colours lit by lights and
+   * highlights likewise. Opaque geometry in front takes light too, what the eye does not see behind
+   * it takes none. The CPU engine draws it; maximum intensity has none.
+   */
+  vtkSetClampMacro(OcclusionStrength, double, 0.0, 1.0);
+  vtkGetMacro(OcclusionStrength, double);
+  ///@}
+
+  ///@{
+  /**
+   * Half angle of the cone of light, in degrees, 1 to 85. A wide cone gives soft, far-reaching
+   * darkening, a narrow one hard shadows straight behind things. Default 45.
+   */
+  vtkSetClampMacro(ConeAngle, double, 1.0, 85.0);
+  vtkGetMacro(ConeAngle, double);
+  ///@}
+
+  ///@{
+  /**
+   * Number of directions, of equal solid angle, that the cone is cut into, 4 to 64. The error
+   * falls, and the time of the light rises, about in proportion. Default 16.
+   */
+  vtkSetClampMacro(NumberOfDirections, int, 4, 64);
+  vtkGetMacro(NumberOfDirections, int);
+  ///@}
+
+  ///@{
+  /**
+   * Slabs, across the line of sight, that the depths of what is drawn are cut into, 1 to 4096: in
+   * each the light takes one step. Default 128. More of them cost time in proportion, fewer make
+   * darkening coarse once a slab is thicker than a cell.
+   */
+  vtkSetClampMacro(NumberOfOcclusionSlabs, int, 1, 4096);
+  vtkGetMacro(NumberOfOcclusionSlabs, int);
+  ///@}
+
+  ///@{
+  /**
+   * Visibility is read this much nearer to the eye than the matter, in world units, and by no less
+   * than 1.5 slabs; without it an opaque surface shadows itself to half its brightness. Negative
+   * values, the default being -1, and 0 stand for twice the cube root of the mesh's volume a cell.
+   */
+  vtkSetMacro(OcclusionBias, double);
+  vtkGetMacro(OcclusionBias, double);
+  ///@}
+
+  ///@{
+  /**
+   * Light planes at full resolution, or, the default, at half: a quarter of the time and memory of
+   * the light, soft darkening hardly differs.
+   */
+  vtkSetClampMacro(OcclusionResolution, int, FULL, HALF);
+  vtkGetMacro(OcclusionResolution, int);
+  void SetOcclusionResolutionToFull() { this->SetOcclusionResolution(FULL); }
+  void SetOcclusionResolutionToHalf() { this->SetOcclusionResolution(HALF); }
+  ///@}
 
   ///@{
   /**
@@ -436,8 +502,8 @@ public:
   /**
    * Wall-clock seconds of the last frame, stage by stage: looking at inputs and transfer functions;
    * drawing opaque geometry into the private buffer; reading its depth back; splitting cells;
-   * fetching scalars; sorting; finding the tiles of each tetrahedron; the pixels; all of the
-   * engine; drawing the result into the frame buffer; everything.
+   * fetching scalars; sorting; finding the tiles of each tetrahedron; the pixels; of these the light
+   * of occlusion; all of the engine; drawing the result into the frame buffer; everything.
    */
   double GetSecondsCollect();
   double GetSecondsGeometry();
@@ -447,6 +513,7 @@ public:
   double GetSecondsOrder();
   double GetSecondsTiles();
   double GetSecondsDraw();
+  double GetSecondsLight();
   double GetSecondsEngine();
   double GetSecondsComposite();
   double GetSecondsTotal();
@@ -455,12 +522,13 @@ public:
   ///@{
   /**
    * Bytes beyond the input: of the mesh and its order, kept from frame to frame; of the frame; of
-   * the picture; of the kept fragments.
+   * the picture; of the kept fragments; of the light planes of occlusion.
    */
   vtkIdType GetMeshBytes();
   vtkIdType GetFrameBytes();
   vtkIdType GetImageBytes();
   vtkIdType GetCacheBytes();
+  vtkIdType GetOcclusionBytes();
   ///@}
 
   /**
@@ -496,6 +564,12 @@ protected:
   int Projection = PROJECTION_EXACT;
   int OpacityConvention = OPACITY_LINEAR;
   bool AutomaticUnitDistance = false;
+  double OcclusionStrength = 0.0;
+  double ConeAngle = 45.0;
+  int NumberOfDirections = 16;
+  int NumberOfOcclusionSlabs = 128;
+  double OcclusionBias = -1.0;
+  int OcclusionResolution = HALF;
   double PickingOpacity = 0.5;
   int Engine = ENGINE_AUTO;
   bool Dither = false;

@@ -91,6 +91,8 @@ CHI_REPORT(vtkIdType, MeshBytes, stats.bytes_mesh)
 CHI_REPORT(vtkIdType, FrameBytes, stats.bytes_frame)
 CHI_REPORT(vtkIdType, ImageBytes, stats.bytes_image)
 CHI_REPORT(vtkIdType, CacheBytes, stats.bytes_cache)
+CHI_REPORT(double, SecondsLight, stats.seconds_light)
+CHI_REPORT(vtkIdType, OcclusionBytes, stats.bytes_occlusion)
 CHI_REPORT(bool, ReusedLastFrame, stats.reused != 0)
 #undef CHI_REPORT
 
@@ -151,6 +153,13 @@ void vtkChiProjectedTetrahedraMapper::PrintSelf(ostream& os, vtkIndent indent)
      << "OpacityConvention: " << (this->OpacityConvention == OPACITY_IMAGE ? "Image" : "Linear")
      << "\n";
   os << indent << "AutomaticUnitDistance: " << this->AutomaticUnitDistance << "\n";
+  os << indent << "OcclusionStrength: " << this->OcclusionStrength << "\n";
+  os << indent << "ConeAngle: " << this->ConeAngle << "\n";
+  os << indent << "NumberOfDirections: " << this->NumberOfDirections << "\n";
+  os << indent << "NumberOfOcclusionSlabs: " << this->NumberOfOcclusionSlabs << "\n";
+  os << indent << "OcclusionBias: " << this->OcclusionBias << "\n";
+  os << indent << "OcclusionResolution: " << (this->OcclusionResolution == FULL ? "Full" : "Half")
+     << "\n";
   os << indent << "PickingOpacity: " << this->PickingOpacity << "\n";
   os << indent << "Dither: " << this->Dither << "\n";
   os << indent << "Engine: " << this->Engine << "\n";
