@@ -53,6 +53,15 @@ static chi_tet_params any_params(fuzz* f)
   p.automatic_unit_distance = fuzz_once_in(f, 4);
   p.reduction = fuzz_once_in(f, 4) ? (int32_t)fuzz_upto(f, 8) : 0;
   p.fragment_cache_bytes = fuzz_byte(f) & 1 ? fuzz_upto(f, 65535) * fuzz_upto(f, 64) : 0;
+  if (fuzz_once_in(f, 4))
+  {
+    p.occlusion_strength = (double)fuzz_upto(f, 4) / 4;
+    p.cone_angle_degrees = (double)fuzz_upto(f, 85);
+    p.occlusion_bias = (double)fuzz_upto(f, 8) / 8;
+    p.direction_count = (int32_t)fuzz_upto(f, 20);
+    p.occlusion_slabs = (int32_t)fuzz_upto(f, 40);
+    p.full_size_light = fuzz_byte(f) & 1;
+  }
   switch (fuzz_once_in(f, 32) ? 1 + fuzz_upto(f, 5) : 0) /* one thing that is wrong */
   {
     case 1:

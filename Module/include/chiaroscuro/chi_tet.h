@@ -120,7 +120,8 @@ typedef struct chi_tet_params
                                     (default) */
   /** Occlusion: how much the light that reaches matter through a cone about the direction to the
    * eye, its visibility V, darkens it: colours become 1 - strength (1 - V) times theirs, highlights
-   * included. Between 0, which is off (default), and 1. Maximum intensity has none. What follows
+   * included. Between 0, which is off (default), and 1. Maximum intensity has none,
+   * the published projection is drawn exactly. What follows
    * means what it means in chi_occlusion.h, see theory/tet_occlusion.md. */
   double occlusion_strength;
   double cone_angle_degrees; /**< half angle of the cone, 1 ... 85; 0 (default) = 45 */

@@ -792,6 +792,7 @@ CHI_DRAW(draw_none, 0, 0, 0, CHI_PREINTEGRATION_NONE, 0)
 CHI_DRAW(draw_partial, 0, 0, 0, CHI_PREINTEGRATION_PARTIAL, 0)
 CHI_DRAW(draw_full, 0, 0, 0, CHI_PREINTEGRATION_FULL, 0)
 CHI_DRAW(draw_partial_cut, 0, 0, 1, CHI_PREINTEGRATION_PARTIAL, 0)
+CHI_DRAW(draw_full_cut, 0, 0, 1, CHI_PREINTEGRATION_FULL, 0)
 CHI_DRAW(draw_partial_lit, 0, 0, 1, CHI_PREINTEGRATION_PARTIAL, 1)
 CHI_DRAW(draw_full_lit, 0, 0, 1, CHI_PREINTEGRATION_FULL, 1)
 
@@ -820,6 +821,7 @@ static void draw(const chi_tet_scene* scene, const uint64_t* list, size_t count,
       : plain && !cuts && method == CHI_PREINTEGRATION_PARTIAL ? draw_partial
       : plain && cuts && method == CHI_PREINTEGRATION_PARTIAL  ? draw_partial_cut
       : plain && !cuts && method == CHI_PREINTEGRATION_FULL    ? draw_full
+      : plain && cuts && method == CHI_PREINTEGRATION_FULL     ? draw_full_cut
       : plain && !cuts && method == CHI_PREINTEGRATION_NONE
       ? draw_none
       : draw_any)(scene, list, count, tile_x, tile_y, target, tally);
