@@ -1,6 +1,7 @@
 /* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "chi_occlusion_kernels.h"
+#include "chi_scatterplot_kernels.h"
 #include "chi_segment_kernels.h"
 #include "chi_tet_kernels.h"
 #include "chi_tube_kernels.h"
@@ -82,5 +83,17 @@ const chi_tet_kernels* chi_tet_get_kernels(void)
                        : &chi_tet_kernels_generic;
 #else
   return &chi_tet_kernels_generic;
+#endif
+}
+
+const chi_scatter_kernels* chi_scatter_get_kernels(void)
+{
+#if defined(__x86_64__) && defined(__GNUC__)
+  const int set = instruction_set();
+  return set == AVX512 ? &chi_scatter_kernels_avx512
+    : set == AVX2      ? &chi_scatter_kernels_avx2
+                       : &chi_scatter_kernels_generic;
+#else
+  return &chi_scatter_kernels_generic;
 #endif
 }

@@ -1,0 +1,180 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#ifndef CHI_SCATTERPLOT_INTERNAL_H
+#define CHI_SCATTERPLOT_INTERNAL_H
+
+#include <chiaroscuro/chi_scatterplot.h>
+
+#include "chi_buffer.h"
+#include "chi_grid_internal.h"
+#include "simd/chi_scatterplot_kernels.h"
+
+#include <stdatomic.h>
+
+enum
+{
+  CHI_SCATTER_RUN = 2048,   /* cells of a list that are one piece */
+  CHI_SCATTER_WORKERS = 256 /* most threads at a time; more wait */
+};
+
+/* What a piece of the mesh holds: read once, and enough to skip it. */
+typedef struct chi_scatter_piece
+{
+  double low[2], high[2]; /* of the fields; low > high: there is nothing */
+  double mass, size;      /* signed, and absolute */
+  uint32_t cells, simplices, skipped, ghosts, blanked, lower_dimensional, unsupported;
+  int32_t is_clean; /* no cell has to be looked at before it is deposited */
+} chi_scatter_piece;
+
+/* Simplices of a list, corner by corner, with the values there. Ids from the number of the grid's
+ * points on are centres of cells. */
+typedef struct chi_scatter_block
+{
+  size_t count, capacity;
+  uint32_t* ids;  /* [4][capacity] */
+  uint32_t* cell; /* [capacity] each one's; those of a cell follow each other */
+  double* mass;   /* [capacity + 8] NaN: left out */
+  double *x, *y;  /* [4][capacity], and 8 more */
+  uint64_t* keys; /* [6 capacity] ends of edges */
+  size_t centers;
+  struct chi_scatter_center* center; /* [capacity] */
+} chi_scatter_block;
+
+typedef struct chi_scatter_center
+{
+  double point[3], value[2];
+} chi_scatter_center;
+
+/* One thread's memory. */
+typedef struct chi_scatter_worker
+{
+  int is_busy, is_equipped;
+  chi_scatter_sink sink;
+  int64_t mass;          /* within the plot, in its unit */
+  int64_t out, singular; /* in units of the whole */
+  size_t edges, one_bin, sections, missing_pieces, one_bin_pieces;
+  double* tile; /* zero between pieces */
+  chi_scatter_brick* brick;
+  chi_scatter_edge* edge;
+  chi_scatter_block block;
+  uint32_t* slots; /* of a table of edges: 1 + place in `edge` */
+  size_t slot_mask;
+  chi_buffer bins, scratch, tile_block, brick_block, edge_block, list_block, slot_block;
+} chi_scatter_worker;
+
+struct chi_scatterplot
+{
+  chi_exec exec;
+  int has_exec;
+  chi_buffer pieces, order;
+  size_t piece_count;
+  uint64_t grid_version, version, order_version;
+  int32_t kept_of[12]; /* what else the pieces depend on */
+  chi_scatter_worker* workers[CHI_SCATTER_WORKERS];
+  size_t worker_count;
+};
+
+typedef struct chi_scatter_job
+{
+  const chi_exec* exec;
+  chi_scatterplot* keep;
+  chi_scatterplot_input input;
+  chi_scatterplot_params params;
+  chi_scatterplot_reduction reduction;
+  chi_grid grid;
+  int dimension;
+  int is_lattice;   /* an image or rectilinear grid of three dimensions with fields of points */
+  size_t bricks[3]; /* of a lattice, along each axis */
+  size_t brick_phase[3]; /* cells of the whole's brick before the grid's first cell */
+  size_t run_phase;
+  double cell_volume; /* of an image; 0: cells differ */
+  chi_scatter_piece* pieces;
+  size_t piece_count;
+  const uint32_t* order; /* of a list that is sorted, or NULL */
+  const chi_scatter_kernels* kernels;
+  chi_scatter_plot plot;
+  double total_unit; /* integers per unit of mass, of sums over all of the mesh */
+  int is_signed;     /* weights are of both signs */
+  size_t tile_budget;
+  atomic_flag lock;
+  atomic_int failed; /* a chi_status */
+} chi_scatter_job;
+
+/* ---- values (chi_scatterplot_values.c) */
+
+/* A component, or the magnitude, of count tuples from `first` on. */
+void chi_scatter_load(
+  const chi_array_view* values, int32_t component, size_t first, size_t count, double* out);
+/* The same of the tuples `ids`; of the first where an id is not below `limit`. */
+void chi_scatter_gather(const chi_array_view* values, int32_t component, const uint32_t* ids,
+  size_t limit, size_t count, double* out);
+double chi_scatter_value(const chi_array_view* values, int32_t component, size_t i);
+/* In place, into units of bins. */
+void chi_scatter_map(const chi_scatter_plot* plot, int axis, double* values, size_t count);
+
+/* ---- one piece: look at it, deposit it */
+
+void chi_scatter_measure_brick(
+  const chi_scatter_job* job, size_t index, chi_scatter_brick* brick, chi_scatter_piece* piece);
+void chi_scatter_deposit_brick(chi_scatter_job* job, size_t index, chi_scatter_worker* worker);
+/* With `piece` look at the run and fill it in, without deposit it. */
+void chi_scatter_visit_run(
+  chi_scatter_job* job, size_t index, chi_scatter_worker* worker, chi_scatter_piece* piece);
+/* Room for `count` simplices more; 0 where it is refused, and the job has failed. */
+int chi_scatter_reserve_block(chi_scatter_job* job, chi_scatter_worker* worker, size_t count);
+/* The values of a block's corners, cells with any that is not finite left out; those are counted
+ * and the others' ranges found with `piece`, else all is deposited. The block is empty then. */
+void chi_scatter_finish_block(
+  chi_scatter_job* job, chi_scatter_worker* worker, size_t run, chi_scatter_piece* piece);
+/* Mass per volume of a cell. */
+double chi_scatter_weight(
+  const chi_scatter_job* job, size_t cell, const int64_t* ids, size_t count);
+/* Triangles of a polygonal cell into the block; CHI_CELL_... */
+int chi_scatter_add_polygon(chi_scatter_job* job, chi_scatter_worker* worker, size_t cell);
+/* Whether cells of a type are cut into triangles. */
+int chi_scatter_is_polygon(int vtk_type);
+/* Area of a polygonal cell, and its weight. */
+int chi_scatter_measure_polygon(
+  const chi_scatter_job* job, size_t cell, double* area, double* weight);
+
+/* Order a list of cells in space where it pays; NULL members of the job are no error. */
+chi_status chi_scatter_sort(chi_scatter_job* job);
+
+/* ---- what both kinds of pieces share (chi_scatterplot_deposit.c) */
+
+/* A free worker with its memory, or NULL: the job has failed. */
+chi_scatter_worker* chi_scatter_acquire(chi_scatter_job* job);
+void chi_scatter_release(chi_scatter_job* job, chi_scatter_worker* worker);
+void chi_scatter_free_worker(const chi_exec* exec, chi_scatter_worker* worker);
+
+/* All of a mass to the bin of one pair of values; 0 where that is beyond the plot. */
+int chi_scatter_deposit_at(
+  const chi_scatter_job* job, chi_scatter_worker* worker, double x, double y, double mass);
+/* The worker's first `count` edges among the values x, y, which lie in box (x from, to, y from, to)
+ * and carry `mass` together; masses of bins up to `clean` are noise. */
+void chi_scatter_deposit_edges(const chi_scatter_job* job, chi_scatter_worker* worker,
+  const double* x, const double* y, size_t count, double mass, const double box[4], double clean);
+/* Masses of a piece that has been deposited become integers. */
+void chi_scatter_settle(const chi_scatter_job* job, chi_scatter_worker* worker);
+/* One tetrahedron (4 corners) or triangle (3) by its sections, or by the published method. */
+void chi_scatter_deposit_simplex(const chi_scatter_job* job, chi_scatter_worker* worker,
+  int corners, const double* x, const double* y, double mass);
+void chi_scatter_deposit_published(const chi_scatter_job* job, chi_scatter_worker* worker,
+  int corners, const double* x, const double* y, double mass);
+
+/* Most that the published method makes of a mass, per bin. */
+#define CHI_SCATTER_HIGHEST 0x1p20
+
+/* Heavier than this, cells of a piece whose heaviest is `most` go by their edges; lighter bins than
+ * chi_scatter_noise of them are rounding. */
+static inline double chi_scatter_light(double most)
+{
+  return 1e-4 * most;
+}
+
+static inline double chi_scatter_noise(double most)
+{
+  return 1e-13 * most;
+}
+
+#endif

@@ -1,0 +1,5 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "chi_scatterplot_kernels.inl"
+
+const chi_scatter_kernels chi_scatter_kernels_generic = { brick, classify, edges, flush, sections };
