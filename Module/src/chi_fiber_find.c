@@ -12,23 +12,13 @@
 
 #include <math.h>
 
-/* A point's word: a bit a segment in each field. */
-enum
-{
-  LEFT = 0,
-  BEFORE = CHI_FIBER_BATCH,
-  BEYOND = 2 * CHI_FIBER_BATCH,
-  MAYBE_BEFORE = 3 * CHI_FIBER_BATCH,
-  MAYBE_BEYOND = 4 * CHI_FIBER_BATCH,
-  FLAGS = 5 * CHI_FIBER_BATCH
-};
-
 #define FIELD (((uint64_t)1 << CHI_FIBER_BATCH) - 1)
 
 typedef struct find_job
 {
   const chi_exec* exec;
   const chi_fiber_index* index;
+  const chi_fiber_kernels* kernels;
   const chi_fiber_segment* segment; /* of the batch */
   size_t segments;
   int32_t no_skipping;
@@ -88,25 +78,22 @@ static int bits_of_box(const chi_fiber_segment* s, const chi_fiber_range* box, u
   const int left = line.low > line.error, right = line.high < -line.error;
   const int before = along.high<-error, after = along.low> error;
   const int beyond = along.low - s->square > error, within = along.high - s->square < -error;
-  *bits = (uint64_t)left << LEFT | (uint64_t)before << BEFORE | (uint64_t)beyond << BEYOND |
-    (uint64_t)before << MAYBE_BEFORE | (uint64_t)beyond << MAYBE_BEYOND;
+  *bits = (uint64_t)left << CHI_FIBER_LEFT | (uint64_t)before << CHI_FIBER_BEFORE |
+    (uint64_t)beyond << CHI_FIBER_BEYOND | (uint64_t)before << CHI_FIBER_MAYBE_BEFORE |
+    (uint64_t)beyond << CHI_FIBER_MAYBE_BEYOND;
   return (left || right) && (before || after) && (beyond || within);
 }
 
-static inline uint64_t bits_of_point(const chi_fiber_segment* s, const double x[2])
+/* The sides of values, exactly, where rounding hides some of them. */
+static void settle(
+  const chi_fiber_segment* s, const double* values, size_t count, uint64_t bit, uint64_t* word)
 {
-  const double u = x[0] - s->p[0], v = x[1] - s->p[1];
-  const double a = s->d[0] * v, b = s->d[1] * u, c = s->d[0] * u, e = s->d[1] * v;
-  const double area = a - b, along = c + e;
-  /* as of chi_fiber_area; the other two with room for the rounding of the square */
-  const double bound = 0x1.8p-52 * (1 + 0x1p-40) * (fabs(a) + fabs(b));
-  const double error = 0x1p-50 * (fabs(c) + fabs(e) + s->square);
-  double exact;
-  const int left = fabs(area) > bound ? area > 0 : chi_fiber_is_left(s, x, &exact);
-  const double rest = along - s->square;
-  return (uint64_t)left << LEFT | (uint64_t)(along < -error) << BEFORE |
-    (uint64_t)(rest > error) << BEYOND | (uint64_t)(along <= error) << MAYBE_BEFORE |
-    (uint64_t)(rest >= -error) << MAYBE_BEYOND;
+  for (size_t i = 0; i < count; ++i)
+  {
+    double area;
+    word[i] = (word[i] & ~(bit << CHI_FIBER_LEFT)) |
+      (chi_fiber_is_left(s, values + 2 * i, &area) ? bit << CHI_FIBER_LEFT : 0);
+  }
 }
 
 static void classify_run(const find_job* job, size_t run)
@@ -134,14 +121,15 @@ static void classify_run(const find_job* job, size_t run)
   uint64_t* const word = job->word;
   for (size_t i = first; i < last; ++i)
   {
-    word[i] = all | (uint64_t)x->flags[i] << FLAGS;
+    word[i] = all | (uint64_t)x->flags[i] << CHI_FIBER_FLAGS;
   }
   for (size_t k = 0; k < opens; ++k)
   {
     const chi_fiber_segment* const s = job->segment + open[k];
-    for (size_t i = first; i < last; ++i)
+    if (job->kernels->classify(
+          s->p, s->d, s->square, x->values[first], last - first, (unsigned)open[k], word + first))
     {
-      word[i] |= bits_of_point(s, x->values[i]) << open[k];
+      settle(s, x->values[first], last - first, (uint64_t)1 << open[k], word + first);
     }
   }
 }
@@ -159,7 +147,8 @@ static void classify(void* data, size_t begin, size_t end)
  * points' words. */
 static inline uint64_t passing(uint64_t both, uint64_t either)
 {
-  return (either & ~both) >> LEFT & ~(both >> BEFORE) & ~(both >> BEYOND) & FIELD;
+  return (either & ~both) >> CHI_FIBER_LEFT & ~(both >> CHI_FIBER_BEFORE) &
+    ~(both >> CHI_FIBER_BEYOND) & FIELD;
 }
 
 /* Where pairs go, or how many they are. */
@@ -182,8 +171,8 @@ static inline void add_pairs(
     }
     segments &= segments - 1;
     const int lefts = (int)((w[0] >> s & 1) + (w[1] >> s & 1) + (w[2] >> s & 1) + (w[3] >> s & 1));
-    sink->corners += (lefts == 2 ? 4 : 3) + (either >> (MAYBE_BEFORE + s) & 1) +
-      (either >> (MAYBE_BEYOND + s) & 1);
+    sink->corners += (lefts == 2 ? 4 : 3) + (either >> (CHI_FIBER_MAYBE_BEFORE + s) & 1) +
+      (either >> (CHI_FIBER_MAYBE_BEYOND + s) & 1);
     if (sink->pair)
     {
       sink->pair[sink->count] = tetrahedron * CHI_FIBER_PAIR + s;
@@ -203,7 +192,7 @@ static inline void look_at(
 {
   const uint64_t both = w[0] & w[1] & w[2] & w[3], either = w[0] | w[1] | w[2] | w[3];
   const uint64_t segments = passing(both, either);
-  if (segments && !(either >> FLAGS) && !is_ghost(job->index, cell))
+  if (segments && !(either >> CHI_FIBER_FLAGS) && !is_ghost(job->index, cell))
   {
     add_pairs(sink, tetrahedron, segments, w, either);
   }
@@ -230,7 +219,7 @@ static void look_at_list(const find_job* job, size_t first, size_t last, pair_si
     const uint64_t w[4] = { job->word[p[0]], job->word[p[1]], job->word[p[2]], job->word[p[3]] };
     const uint64_t both = w[0] & w[1] & w[2] & w[3], either = w[0] | w[1] | w[2] | w[3];
     const uint64_t segments = passing(both, either);
-    if (segments && !(either >> FLAGS & CHI_FIBER_BAD_VALUE))
+    if (segments && !(either >> CHI_FIBER_FLAGS & CHI_FIBER_BAD_VALUE))
     {
       add_pairs(sink, t, segments, w, either);
     }
@@ -247,7 +236,7 @@ static inline void look_at_cube(
     both &= w[k];
     either |= w[k];
   }
-  const uint64_t out = (uint64_t)(CHI_FIBER_BAD_PLACE | CHI_FIBER_HIDDEN) << FLAGS;
+  const uint64_t out = (uint64_t)(CHI_FIBER_BAD_PLACE | CHI_FIBER_HIDDEN) << CHI_FIBER_FLAGS;
   if (!passing(both, either) || either & out || is_ghost(job->index, cell))
   {
     return;
@@ -258,7 +247,7 @@ static inline void look_at_cube(
     const uint64_t v[4] = { w[p[0]], w[p[1]], w[p[2]], w[p[3]] };
     const uint64_t all = v[0] & v[1] & v[2] & v[3], any = v[0] | v[1] | v[2] | v[3];
     const uint64_t segments = passing(all, any);
-    if (segments && !(any >> FLAGS))
+    if (segments && !(any >> CHI_FIBER_FLAGS))
     {
       add_pairs(sink, 6 * (uint64_t)cell + t, segments, v, any);
     }
@@ -440,6 +429,7 @@ chi_status chi_fiber_find(const chi_exec* exec, chi_fiber_pairs* pairs, const ch
   }
   find_job job = { .exec = exec,
     .index = x,
+    .kernels = chi_fiber_get_kernels(),
     .no_skipping = no_skipping,
     .word = (uint64_t*)pairs->mask_buffer.data,
     .active = (uint8_t*)pairs->active_buffer.data,

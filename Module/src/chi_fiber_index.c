@@ -7,39 +7,18 @@
 #include "chi_fiber_internal.h"
 
 #include <math.h>
-#include <stdatomic.h>
 
 enum
 {
-  VTK_TETRAHEDRON_TYPE = 10,
-  SUMS = 4 /* bad values, bad places, hidden, others */
+  VTK_TETRAHEDRON_TYPE = 10
 };
 
 static const double largest = 1e100; /* of values and of coordinates */
 
+const chi_fiber_range chi_fiber_no_range = { { INFINITY, INFINITY }, { -INFINITY, -INFINITY } };
+
 const uint8_t chi_fiber_paths[6][4] = { { 0, 1, 3, 7 }, { 0, 1, 5, 7 }, { 0, 2, 3, 7 },
   { 0, 2, 6, 7 }, { 0, 4, 5, 7 }, { 0, 4, 6, 7 } };
-
-typedef struct index_job
-{
-  const chi_exec* exec;
-  chi_fiber_index* index;
-  const chi_fiber_params* params;
-  size_t (*sums)[SUMS]; /* [bricks] */
-  int looks_at_places;
-  atomic_int is_broken;
-} index_job;
-
-static const chi_fiber_range no_range = { { INFINITY, INFINITY }, { -INFINITY, -INFINITY } };
-
-static inline void widen(chi_fiber_range* range, const double x[2])
-{
-  for (int k = 0; k < 2; ++k)
-  {
-    range->low[k] = x[k] < range->low[k] ? x[k] : range->low[k];
-    range->high[k] = x[k] > range->high[k] ? x[k] : range->high[k];
-  }
-}
 
 /* ---- values ---- */
 
@@ -60,7 +39,7 @@ static double value_of(const chi_array_view* a, int32_t component, size_t tuple)
   return sqrt(square);
 }
 
-static void copy_field(const index_job* job, int k, size_t first, size_t last)
+static void copy_field(const chi_fiber_index_job* job, int k, size_t first, size_t last)
 {
   const chi_array_view* const a = job->params->fields[k];
   const int32_t component = job->params->components[k];
@@ -97,7 +76,7 @@ static int place_is_tame(const chi_grid* grid, size_t id)
 }
 
 /* The mean over a cell's points, in place and value. */
-static void read_center(const index_job* job, size_t center)
+static void read_center(const chi_fiber_index_job* job, size_t center)
 {
   chi_fiber_index* const x = job->index;
   double* const value = x->values[x->grid.points + center];
@@ -120,7 +99,7 @@ static void read_center(const index_job* job, size_t center)
 
 static void read_runs(void* data, size_t begin, size_t end)
 {
-  index_job* const job = (index_job*)data;
+  chi_fiber_index_job* const job = (chi_fiber_index_job*)data;
   chi_fiber_index* const x = job->index;
   const uint8_t* const ghosts = x->grid.view.point_ghosts;
   for (size_t r = begin; r < end && !chi_is_cancelled(job->exec); ++r)
@@ -133,7 +112,7 @@ static void read_runs(void* data, size_t begin, size_t end)
       copy_field(job, 0, first, given);
       copy_field(job, 1, first, given);
     }
-    chi_fiber_range range = no_range;
+    chi_fiber_range range = chi_fiber_no_range;
     int all = 0;
     for (size_t i = first; i < last; ++i)
     {
@@ -150,7 +129,7 @@ static void read_runs(void* data, size_t begin, size_t end)
       double* const value = x->values[i];
       if (fabs(value[0]) <= largest && fabs(value[1]) <= largest)
       {
-        widen(&range, value);
+        chi_fiber_widen(&range, value);
       }
       else
       {
@@ -162,174 +141,6 @@ static void read_runs(void* data, size_t begin, size_t end)
     }
     x->run[r] = range;
     x->run_flags[r] = (uint8_t)all;
-  }
-}
-
-/* ---- bricks ---- */
-
-static int is_ghost(const chi_fiber_index* x, size_t cell)
-{
-  const uint8_t* const ghosts = x->grid.view.cell_ghosts;
-  return ghosts && ghosts[cell] & (CHI_GRID_DUPLICATE_CELL | CHI_GRID_HIDDEN_CELL);
-}
-
-/* Count why a cell is left out; 0: it is not. */
-static int count_bad(size_t sums[SUMS], int hidden, int flags)
-{
-  if (hidden || flags & CHI_FIBER_HIDDEN)
-  {
-    ++sums[2];
-    return 1;
-  }
-  sums[1] += (flags & CHI_FIBER_BAD_PLACE) != 0;
-  sums[0] += (flags & (CHI_FIBER_BAD_PLACE | CHI_FIBER_BAD_VALUE)) == CHI_FIBER_BAD_VALUE;
-  return flags != 0;
-}
-
-static void read_direct(index_job* job, size_t brick)
-{
-  chi_fiber_index* const x = job->index;
-  const chi_grid_view* const v = &x->grid.view;
-  const size_t first = brick * CHI_FIBER_LIST_BRICK;
-  const size_t last = chi_grid_chunk_end(first, CHI_FIBER_LIST_BRICK, x->tetrahedra);
-  const int64_t* const ids = v->connectivity + v->offsets[0];
-  const size_t points = x->grid.points;
-  chi_fiber_range range = no_range;
-  int others = 0, beyond = 0;
-  for (size_t t = first; t < last; ++t)
-  {
-    others |= v->cell_types[t] != VTK_TETRAHEDRON_TYPE;
-    others |= v->offsets[t + 1] - v->offsets[t] != 4;
-  }
-  for (size_t k = 4 * first; k < 4 * last; ++k)
-  {
-    beyond |= (uint64_t)ids[k] >= points;
-  }
-  if (others || beyond)
-  {
-    job->is_broken = 1;
-    return;
-  }
-  for (size_t t = first; t < last; ++t)
-  {
-    const int64_t* const p = ids + 4 * t;
-    const int flags = x->flags[p[0]] | x->flags[p[1]] | x->flags[p[2]] | x->flags[p[3]];
-    if ((flags || v->cell_ghosts) && count_bad(job->sums[brick], is_ghost(x, t), flags))
-    {
-      continue;
-    }
-    for (int k = 0; k < 4; ++k)
-    {
-      widen(&range, x->values[p[k]]);
-    }
-  }
-  x->brick[brick] = range;
-}
-
-static void read_list(index_job* job, size_t brick)
-{
-  chi_fiber_index* const x = job->index;
-  const size_t first = brick * CHI_FIBER_LIST_BRICK;
-  const size_t last = chi_grid_chunk_end(first, CHI_FIBER_LIST_BRICK, x->tetrahedra);
-  chi_fiber_range range = no_range;
-  for (size_t t = first; t < last; ++t)
-  {
-    const uint32_t* const p = x->vertices[t];
-    const uint8_t* const f = x->flags;
-    if ((f[p[0]] | f[p[1]] | f[p[2]] | f[p[3]]) & CHI_FIBER_BAD_VALUE)
-    {
-      /* of a cell's tetrahedra the first counts */
-      int counts = 1;
-      for (size_t u = t; counts && u > 0 && x->cells[u - 1] == x->cells[t]; --u)
-      {
-        const uint32_t* const q = x->vertices[u - 1];
-        counts = !((f[q[0]] | f[q[1]] | f[q[2]] | f[q[3]]) & CHI_FIBER_BAD_VALUE);
-      }
-      job->sums[brick][0] += (size_t)counts;
-      continue;
-    }
-    for (int k = 0; k < 4; ++k)
-    {
-      widen(&range, x->values[p[k]]);
-    }
-  }
-  x->brick[brick] = range;
-}
-
-static void read_block(index_job* job, size_t brick)
-{
-  chi_fiber_index* const x = job->index;
-  const size_t* const blocks = x->blocks;
-  const size_t block[3] = { brick % blocks[0], brick / blocks[0] % blocks[1],
-    brick / blocks[0] / blocks[1] };
-  size_t low[3], high[3];
-  for (int a = 0; a < 3; ++a)
-  {
-    low[a] = block[a] * CHI_FIBER_BLOCK;
-    high[a] = chi_grid_chunk_end(low[a], CHI_FIBER_BLOCK, x->grid.dimensions[a]);
-  }
-  chi_fiber_range range = no_range;
-  int all = 0;
-  for (size_t k = low[2]; k <= high[2]; ++k)
-  {
-    for (size_t j = low[1]; j <= high[1]; ++j)
-    {
-      const size_t row = chi_fiber_first_point(x, (const size_t[3]){ 0, j, k });
-      for (size_t i = row + low[0]; i <= row + high[0]; ++i)
-      {
-        all |= x->flags[i];
-        if (!(x->flags[i] & CHI_FIBER_BAD_VALUE))
-        {
-          widen(&range, x->values[i]);
-        }
-      }
-    }
-  }
-  x->brick[brick] = range;
-  if (!all && !x->grid.view.cell_ghosts)
-  {
-    return;
-  }
-  for (size_t k = low[2]; k < high[2]; ++k)
-  {
-    for (size_t j = low[1]; j < high[1]; ++j)
-    {
-      for (size_t i = low[0]; i < high[0]; ++i)
-      {
-        const size_t first = chi_fiber_first_point(x, (const size_t[3]){ i, j, k });
-        int flags = 0;
-        for (int p = 0; p < 8; ++p)
-        {
-          flags |= x->flags[first + chi_fiber_step(x, p)];
-        }
-        const size_t* const n = x->grid.dimensions;
-        count_bad(job->sums[brick], is_ghost(x, i + n[0] * (j + n[1] * k)), flags);
-      }
-    }
-  }
-}
-
-static void read_bricks(void* data, size_t begin, size_t end)
-{
-  index_job* const job = (index_job*)data;
-  for (size_t b = begin; b < end; ++b)
-  {
-    if (job->is_broken || (b % 16 == 0 && chi_is_cancelled(job->exec)))
-    {
-      return;
-    }
-    switch (job->index->source)
-    {
-      case CHI_FIBER_DIRECT:
-        read_direct(job, b);
-        break;
-      case CHI_FIBER_LIST:
-        read_list(job, b);
-        break;
-      default:
-        read_block(job, b);
-        break;
-    }
   }
 }
 
@@ -427,7 +238,7 @@ static chi_status fill(
     !chi_buffer_reserve(exec, &x->flag_buffer, x->points + x->runs + 1, 1) ||
     !chi_buffer_reserve(exec, &x->brick_buffer, x->bricks + 1, sizeof *x->brick) ||
     !chi_buffer_reserve(exec, &x->run_buffer, x->runs + 1, sizeof *x->run) ||
-    !chi_buffer_reserve(exec, &x->sum_buffer, x->bricks + 1, SUMS * sizeof(size_t)))
+    !chi_buffer_reserve(exec, &x->sum_buffer, x->bricks + 1, CHI_FIBER_SUMS * sizeof(size_t)))
   {
     return CHI_ERROR_OUT_OF_MEMORY;
   }
@@ -436,16 +247,20 @@ static chi_status fill(
   x->run_flags = x->flags + x->points;
   x->brick = (chi_fiber_range*)x->brick_buffer.data;
   x->run = (chi_fiber_range*)x->run_buffer.data;
-  index_job job = { .exec = exec,
+  chi_fiber_index_job job = { .exec = exec,
     .index = x,
     .params = params,
-    .sums = (size_t(*)[SUMS])x->sum_buffer.data,
+    .sums = (size_t(*)[CHI_FIBER_SUMS])x->sum_buffer.data,
     .looks_at_places = x->source == CHI_FIBER_DIRECT ||
       (x->source == CHI_FIBER_KUHN &&
         !(x->grid.view.kind == CHI_GRID_IMAGE && image_is_tame(&x->grid))) };
-  memset(job.sums, 0, (x->bricks + 1) * SUMS * sizeof(size_t));
+  memset(job.sums, 0, (x->bricks + 1) * CHI_FIBER_SUMS * sizeof(size_t));
   chi_status status = chi_for(exec, x->runs, read_runs, &job);
-  status = status == CHI_OK ? chi_for(exec, x->bricks, read_bricks, &job) : status;
+  for (size_t r = 0; r < x->runs && status == CHI_OK; ++r)
+  {
+    job.all_flags |= x->run_flags[r];
+  }
+  status = status == CHI_OK ? chi_for(exec, x->bricks, chi_fiber_read_bricks, &job) : status;
   *is_broken = job.is_broken;
   for (size_t b = 0; b < x->bricks && status == CHI_OK; ++b)
   {
@@ -453,13 +268,13 @@ static chi_status fill(
     x->bad_places += job.sums[b][1];
     x->hidden += job.sums[b][2];
   }
-  x->range = no_range;
+  x->range = chi_fiber_no_range;
   for (size_t r = 0; r < x->runs && status == CHI_OK; ++r)
   {
     if (x->run[r].low[0] <= x->run[r].high[0])
     {
-      widen(&x->range, x->run[r].low);
-      widen(&x->range, x->run[r].high);
+      chi_fiber_widen(&x->range, x->run[r].low);
+      chi_fiber_widen(&x->range, x->run[r].high);
     }
   }
   return status;

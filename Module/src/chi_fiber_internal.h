@@ -16,15 +16,18 @@
 #include "chi_buffer.h"
 #include "chi_grid_internal.h"
 #include "math/chi_predicates.h"
+#include "simd/chi_fiber_kernels.h"
+
+#include <stdatomic.h>
 
 enum
 {
-  CHI_FIBER_BATCH = 12,       /* segments that are looked for at once: five bits each a point */
   CHI_FIBER_PAIR = 16,        /* a pair is tetrahedron * CHI_FIBER_PAIR + segment of the batch */
   CHI_FIBER_LIST_BRICK = 256, /* tetrahedra of a list that have their ranges of values together */
   CHI_FIBER_BLOCK = 8,        /* likewise cells along each axis of an image */
   CHI_FIBER_LIST_CHUNK = 32,  /* bricks that are worked on together */
   CHI_FIBER_IMAGE_CHUNK = 2,
+  CHI_FIBER_SUMS = 3,       /* cells left out: bad values, bad places, hidden */
   CHI_FIBER_RUN = 1024,     /* points with their ranges together */
   CHI_FIBER_CORNERS = 6,    /* most corners of a part: a quadrilateral cut off twice */
   CHI_FIBER_PARTITIONS = 64 /* of the points' names */
@@ -139,6 +142,32 @@ typedef struct chi_fiber_index
 chi_status chi_fiber_index_build(const chi_exec* exec, chi_fiber_index* index,
   const chi_grid_view* grid, const chi_fiber_params* params, int64_t* first_bad_cell);
 void chi_fiber_index_free(const chi_exec* exec, chi_fiber_index* index);
+
+extern const chi_fiber_range chi_fiber_no_range;
+
+static inline void chi_fiber_widen(chi_fiber_range* range, const double x[2])
+{
+  for (int k = 0; k < 2; ++k)
+  {
+    range->low[k] = x[k] < range->low[k] ? x[k] : range->low[k];
+    range->high[k] = x[k] > range->high[k] ? x[k] : range->high[k];
+  }
+}
+
+/* While an index is built. */
+typedef struct chi_fiber_index_job
+{
+  const chi_exec* exec;
+  chi_fiber_index* index;
+  const chi_fiber_params* params;
+  size_t (*sums)[CHI_FIBER_SUMS]; /* [bricks] */
+  int looks_at_places;
+  int all_flags; /* of all points */
+  atomic_int is_broken;
+} chi_fiber_index_job;
+
+/* A chi_range_fn over bricks; is_broken afterwards: the cells are not all good tetrahedra. */
+void chi_fiber_read_bricks(void* data, size_t begin, size_t end);
 
 /* The path of tetrahedron `path` of an image's cell: offsets of its corners from the first, in
  * steps along the axes. */

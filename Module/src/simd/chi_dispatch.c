@@ -1,5 +1,6 @@
 /* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include "chi_fiber_kernels.h"
 #include "chi_occlusion_kernels.h"
 #include "chi_scatterplot_kernels.h"
 #include "chi_segment_kernels.h"
@@ -47,6 +48,18 @@ const chi_occlusion_kernels* chi_kernels(void)
                        : &chi_kernels_generic;
 #else
   return &chi_kernels_generic;
+#endif
+}
+
+const chi_fiber_kernels* chi_fiber_get_kernels(void)
+{
+#if defined(__x86_64__) && defined(__GNUC__)
+  const int set = instruction_set();
+  return set == AVX512 ? &chi_fiber_kernels_avx512
+    : set == AVX2      ? &chi_fiber_kernels_avx2
+                       : &chi_fiber_kernels_generic;
+#else
+  return &chi_fiber_kernels_generic;
 #endif
 }
 

@@ -1,0 +1,5 @@
+/* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "chi_fiber_kernels.inl"
+
+const chi_fiber_kernels chi_fiber_kernels_avx2 = { classify };
