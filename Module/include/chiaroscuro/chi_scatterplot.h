@@ -157,6 +157,31 @@ CHI_API CHI_NODISCARD chi_status chi_scatterplot_compute(const chi_exec* exec,
   chi_scatterplot* plot, const chi_scatterplot_input* input, const chi_scatterplot_params* params,
   double* density, chi_scatterplot_result* result);
 
+/** How densities become colours. */
+typedef struct chi_scatterplot_display_params
+{
+  size_t struct_size;
+  int32_t is_linear; /**< 0: by the logarithm */
+  int32_t reserved;
+  double decades; /**< of a logarithmic scale, below the largest density; 0: 4 */
+} chi_scatterplot_display_params;
+
+/**
+ * A picture of densities: black, red, yellow, white, from nothing (or `decades` below the largest)
+ * to the largest. Bins that hold nothing are transparent.
+ *
+ * @param[in]  density  [count] as chi_scatterplot_compute wrote them
+ * @param[in]  params   NULL: the defaults
+ * @param[out] rgba     [count][4] not premultiplied
+ *
+ * @retval CHI_OK, CHI_ERROR_CANCELLED
+ * @retval CHI_ERROR_INVALID_ARGUMENT  null pointer, decades that are negative or not finite
+ *
+ * Non-finite   as nothing.
+ */
+CHI_API CHI_NODISCARD chi_status chi_scatterplot_display(const chi_exec* exec,
+  const double* density, size_t count, const chi_scatterplot_display_params* params, uint8_t* rgba);
+
 #ifdef __cplusplus
 }
 #endif

@@ -4,7 +4,7 @@
 /*
  * A simplex of any shape, without divisions by its area. The part of it below a line y = Y is one
  * to three simplices whose shares of the volume are products of ratios in [0, 1]; along x the share
- * of a simplex below a column line is in closed form (7), (8). What lies in a bin is the second
+ * of a simplex below a column line is in closed form (3), (4). What lies in a bin is the second
  * difference of these shares, to a few units in the last place of the whole mass, however thin or
  * flat the simplex is.
  */
@@ -137,7 +137,7 @@ static void cut_below(section* s, int corners, const double* x, const double* y,
 
 /* Share of a tetrahedron with corners a <= b <= c <= d below X, for eight X:
  *   (X - a)^3 / ((b - a)(c - a)(d - a))        up to b,
- *   1 - (d - X)^3 / ((d - a)(d - b)(d - c))    from c on, and between                          (7)
+ *   1 - (d - X)^3 / ((d - a)(d - b)(d - c))    from c on, and between                          (3)
  *   ac ad + ac (1 - ad) bd + (1 - ac) bc bd,   pq = (X - p) / (q - p).                           */
 CHI_INLINE8 v8 shares4(const double* s, const double* r, v8 at)
 {
