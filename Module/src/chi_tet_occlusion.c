@@ -344,9 +344,11 @@ static chi_status prepare(occlusion_job* it, chi_tet_occlusion* o, const chi_tet
     .skip = it->skips ? CHI_SKIP_SATURATED_LIGHT | CHI_SKIP_UNREACHED_LIGHT : 0 };
   chi_light_layout(l);
   const size_t plane = l->rows * l->stride;
+  /* fragments of whole tiles read light, those outside of the picture too */
+  const size_t seen = (size_t)it->bins->tiles[1] * CHI_TET_TILE * l->stride;
   const size_t need = (size_t)it->bins->tiles[1] * (size_t)l->segments;
   if (!chi_buffer_reserve(exec, &o->tau, 2 * plane, sizeof(float)) ||
-    !chi_buffer_reserve(exec, &o->seen, SEEN * plane, sizeof(float)) ||
+    !chi_buffer_reserve(exec, &o->seen, SEEN * seen, sizeof(float)) ||
     !chi_buffer_reserve(exec, &o->tiles, tiles, sizeof(slab_tile)) ||
     !chi_buffer_reserve(exec, &o->need, need, 1) ||
     (f->surface && !chi_buffer_reserve(exec, &o->surfaces, GEOMETRY_PLANES * plane, sizeof(float))))
@@ -354,12 +356,13 @@ static chi_status prepare(occlusion_job* it, chi_tet_occlusion* o, const chi_tet
     return CHI_ERROR_OUT_OF_MEMORY;
   }
   memset(o->tau.data, 0, 2 * plane * sizeof(float));
+  memset(o->seen.data, 0, SEEN * seen * sizeof(float));
   l->tau[0] = (float*)o->tau.data;
   l->tau[1] = l->tau[0] + plane;
   l->tau_step = l->stride;
   for (int k = 0; k < SEEN; ++k)
   {
-    it->seen[k] = (float*)o->seen.data + (size_t)k * plane;
+    it->seen[k] = (float*)o->seen.data + (size_t)k * seen;
   }
   /* Light of the slab's near limit is read at plane slab - bias - 1/2, of its far limit at the next
    * one: in between it is linear to the plane that lies there, and from there on. */
