@@ -126,7 +126,7 @@ public:
   enum SkipType
   {
     SKIP_BRICKS = 1,    ///< bricks of cells whose values no segment meets
-    SKIP_RUNS = 2,      ///< runs of points that lie on one side of all segments
+    SKIP_RUNS = 2,      ///< runs of points that no cell needs, or on one side of all segments
     SKIP_UNCHANGED = 4, ///< the index of mesh and arrays that have not changed
     SKIP_EVERY_KIND = 7
   };

@@ -127,15 +127,8 @@ static void read_list(chi_fiber_index_job* job, size_t brick)
 static void read_block(chi_fiber_index_job* job, size_t brick)
 {
   chi_fiber_index* const x = job->index;
-  const size_t* const blocks = x->blocks;
-  const size_t block[3] = { brick % blocks[0], brick / blocks[0] % blocks[1],
-    brick / blocks[0] / blocks[1] };
   size_t low[3], high[3];
-  for (int a = 0; a < 3; ++a)
-  {
-    low[a] = block[a] * CHI_FIBER_BLOCK;
-    high[a] = chi_grid_chunk_end(low[a], CHI_FIBER_BLOCK, x->grid.dimensions[a]);
-  }
+  chi_fiber_block(x, brick, low, high);
   chi_fiber_range range = chi_fiber_no_range;
   int all = 0;
   for (size_t k = low[2]; k <= high[2]; ++k)

@@ -22,67 +22,13 @@ typedef struct find_job
   const chi_fiber_segment* segment; /* of the batch */
   size_t segments;
   int32_t no_skipping;
-  uint64_t* word;     /* [points] */
-  uint8_t* active;    /* [bricks] whether a segment may meet it */
-  uint8_t* passed;    /* [runs] whether one word served all */
-  chi_fiber_job* job; /* [chunks] of the batch */
-  uint64_t* pair;     /* NULL: count */
+  uint64_t* word;       /* [points] */
+  uint8_t* active;      /* [bricks] whether a segment may meet it */
+  uint8_t* passed;      /* [runs] whether one word served all, or none was needed */
+  atomic_uchar* needed; /* [runs] whether a brick that is active has a point there */
+  chi_fiber_job* job;   /* [chunks] of the batch */
+  uint64_t* pair;       /* NULL: count */
 } find_job;
-
-/* Extremes of the line function over a box, and what their rounding may be. */
-typedef struct box_sides
-{
-  double low, high, error;
-} box_sides;
-
-static box_sides sides_of(const double along[2], const double from[2], const chi_fiber_range* box)
-{
-  box_sides s = { 0, 0, 0 };
-  for (int k = 0; k < 2; ++k)
-  {
-    const double a = along[k] * (box->low[k] - from[k]), b = along[k] * (box->high[k] - from[k]);
-    s.low += a < b ? a : b;
-    s.high += a < b ? b : a;
-    s.error += fabs(a) + fabs(b);
-  }
-  s.error *= 0x1p-50; /* three roundings of u = 2^-53 a term, and one of the sum */
-  return s;
-}
-
-static box_sides line_sides(const chi_fiber_segment* s, const chi_fiber_range* box)
-{
-  const double normal[2] = { -s->d[1], s->d[0] };
-  return sides_of(normal, s->p, box);
-}
-
-int chi_fiber_meets(const chi_fiber_segment* s, const chi_fiber_range* box)
-{
-  for (int k = 0; k < 2; ++k)
-  {
-    const double low = s->p[k] < s->q[k] ? s->p[k] : s->q[k];
-    const double high = s->p[k] < s->q[k] ? s->q[k] : s->p[k];
-    if (!(low <= box->high[k] && high >= box->low[k]))
-    {
-      return 0;
-    }
-  }
-  const box_sides side = line_sides(s, box);
-  return side.low <= side.error && side.high >= -side.error;
-}
-
-/* The bits of a segment for a whole box, and whether they hold for all of it. */
-static int bits_of_box(const chi_fiber_segment* s, const chi_fiber_range* box, uint64_t* bits)
-{
-  const box_sides line = line_sides(s, box), along = sides_of(s->d, s->p, box);
-  const double error = along.error + s->square * 0x1p-50;
-  const int left = line.low > line.error, right = line.high < -line.error;
-  const int before = along.high<-error, after = along.low> error;
-  const int beyond = along.low - s->square > error, within = along.high - s->square < -error;
-  *bits = (uint64_t)left << CHI_FIBER_LEFT | (uint64_t)before << CHI_FIBER_BEFORE |
-    (uint64_t)beyond << CHI_FIBER_BEYOND | (uint64_t)before << CHI_FIBER_MAYBE_BEFORE |
-    (uint64_t)beyond << CHI_FIBER_MAYBE_BEYOND;
-  return (left || right) && (before || after) && (beyond || within);
-}
 
 /* The sides of values, exactly, where rounding hides some of them. */
 static void settle(
@@ -108,7 +54,7 @@ static void classify_run(const find_job* job, size_t run)
   for (size_t s = 0; s < job->segments; ++s)
   {
     uint64_t bits = 0;
-    if (looks && (is_empty || bits_of_box(job->segment + s, x->run + run, &bits)))
+    if (looks && (is_empty || chi_fiber_bits_of_box(job->segment + s, x->run + run, &bits)))
     {
       all |= bits << s;
     }
@@ -139,7 +85,14 @@ static void classify(void* data, size_t begin, size_t end)
   find_job* const job = (find_job*)data;
   for (size_t r = begin; r < end && !chi_is_cancelled(job->exec); ++r)
   {
-    classify_run(job, r);
+    if (atomic_load_explicit(job->needed + r, memory_order_relaxed))
+    {
+      classify_run(job, r);
+    }
+    else
+    {
+      job->passed[r] = 1;
+    }
   }
 }
 
@@ -257,15 +210,9 @@ static inline void look_at_cube(
 static void look_at_block(const find_job* job, size_t brick, pair_sink* sink)
 {
   const chi_fiber_index* const x = job->index;
-  const size_t *const blocks = x->blocks, *const n = x->grid.dimensions;
-  const size_t block[3] = { brick % blocks[0], brick / blocks[0] % blocks[1],
-    brick / blocks[0] / blocks[1] };
+  const size_t* const n = x->grid.dimensions;
   size_t low[3], high[3], step[8];
-  for (int a = 0; a < 3; ++a)
-  {
-    low[a] = block[a] * CHI_FIBER_BLOCK;
-    high[a] = chi_grid_chunk_end(low[a], CHI_FIBER_BLOCK, n[a]);
-  }
+  chi_fiber_block(x, brick, low, high);
   for (int k = 0; k < 8; ++k)
   {
     step[k] = chi_fiber_step(x, k);
@@ -302,18 +249,95 @@ static void look_at_brick(const find_job* job, size_t brick, pair_sink* sink)
   }
 }
 
-static void choose_bricks(const find_job* job, size_t first, size_t last)
+static void need(const find_job* job, size_t first_point, size_t last_point)
 {
-  const int looks = !(job->no_skipping & CHI_FIBER_SKIP_BRICKS);
-  for (size_t b = first; b < last; ++b)
+  for (size_t r = first_point / CHI_FIBER_RUN; r <= last_point / CHI_FIBER_RUN; ++r)
   {
-    int meets = !looks;
-    for (size_t s = 0; s < job->segments && !meets; ++s)
-    {
-      meets = chi_fiber_meets(job->segment + s, job->index->brick + b);
-    }
-    job->active[b] = (uint8_t)meets;
+    atomic_store_explicit(job->needed + r, 1, memory_order_relaxed);
   }
+}
+
+/* The runs of a brick's points. */
+static void need_brick(const find_job* job, size_t brick)
+{
+  const chi_fiber_index* const x = job->index;
+  if (x->source == CHI_FIBER_KUHN)
+  {
+    size_t low[3], high[3];
+    chi_fiber_block(x, brick, low, high);
+    for (size_t k = low[2]; k <= high[2]; ++k)
+    {
+      for (size_t j = low[1]; j <= high[1]; ++j)
+      {
+        const size_t row = chi_fiber_first_point(x, (const size_t[3]){ 0, j, k });
+        need(job, row + low[0], row + high[0]);
+      }
+    }
+    return;
+  }
+  const size_t first = brick * CHI_FIBER_LIST_BRICK;
+  const size_t last = chi_grid_chunk_end(first, CHI_FIBER_LIST_BRICK, x->tetrahedra);
+  for (size_t t = first; t < last; ++t)
+  {
+    uint32_t v[4];
+    chi_fiber_fetch(x, t, v);
+    for (int k = 0; k < 4; ++k)
+    {
+      need(job, v[k], v[k]);
+    }
+  }
+}
+
+static void choose_bricks(void* data, size_t begin, size_t end)
+{
+  const find_job* const job = (const find_job*)data;
+  const int looks = !(job->no_skipping & CHI_FIBER_SKIP_BRICKS);
+  const size_t size = job->index->bricks_a_chunk;
+  for (size_t c = begin; c < end && !chi_is_cancelled(job->exec); ++c)
+  {
+    const size_t last = chi_grid_chunk_end(c * size, size, job->index->bricks);
+    for (size_t b = c * size; b < last; ++b)
+    {
+      int meets = !looks;
+      for (size_t s = 0; s < job->segments && !meets; ++s)
+      {
+        meets = chi_fiber_meets(job->segment + s, job->index->brick + b);
+      }
+      job->active[b] = (uint8_t)meets;
+    }
+  }
+}
+
+static void need_bricks(void* data, size_t begin, size_t end)
+{
+  const find_job* const job = (const find_job*)data;
+  const size_t size = job->index->bricks_a_chunk;
+  for (size_t c = begin; c < end && !chi_is_cancelled(job->exec); ++c)
+  {
+    const size_t last = chi_grid_chunk_end(c * size, size, job->index->bricks);
+    for (size_t b = c * size; b < last; ++b)
+    {
+      if (job->active[b])
+      {
+        need_brick(job, b);
+      }
+    }
+  }
+}
+
+/* Find the runs of active bricks, unless this costs more than to look at all. */
+static chi_status find_needed(find_job* job)
+{
+  const chi_fiber_index* const x = job->index;
+  size_t active = 0;
+  for (size_t b = 0; b < x->bricks; ++b)
+  {
+    active += job->active[b];
+  }
+  const int is_worth = x->source == CHI_FIBER_KUHN || active < x->bricks / 8;
+  const int looks = is_worth && !(job->no_skipping & CHI_FIBER_SKIP_RUNS);
+  memset(job->needed, !looks, x->runs);
+  return looks ? chi_for(job->exec, x->chunks, need_bricks, job) : CHI_OK;
 }
 
 static void look_through(void* data, size_t begin, size_t end)
@@ -325,10 +349,6 @@ static void look_through(void* data, size_t begin, size_t end)
     const size_t first = c * size, last = chi_grid_chunk_end(first, size, job->index->bricks);
     chi_fiber_job* const own = job->job + c;
     pair_sink sink = { job->pair ? job->pair + own->first_pair : NULL, 0, 0 };
-    if (!job->pair)
-    {
-      choose_bricks(job, first, last);
-    }
     for (size_t b = first; b < last; ++b)
     {
       if (job->active[b])
@@ -362,7 +382,7 @@ static chi_status reserve(const chi_exec* exec, chi_fiber_pairs* pairs, const ch
   if (!chi_buffer_reserve(exec, &pairs->job_buffer, pairs->jobs + 1, sizeof *pairs->job) ||
     !chi_buffer_reserve(exec, &pairs->pair_pointers, pairs->batches + 1, sizeof *pairs->pair) ||
     !chi_buffer_reserve(exec, &pairs->mask_buffer, x->points + 1, sizeof(uint64_t)) ||
-    !chi_buffer_reserve(exec, &pairs->active_buffer, x->bricks + x->runs + 1, 1))
+    !chi_buffer_reserve(exec, &pairs->active_buffer, x->bricks + 2 * x->runs + 1, 1))
   {
     return CHI_ERROR_OUT_OF_MEMORY;
   }
@@ -377,7 +397,9 @@ static chi_status find_batch(
 {
   job->pair = NULL;
   job->job = pairs->job + batch * x->chunks;
-  chi_status status = chi_for(job->exec, x->runs, classify, job);
+  chi_status status = chi_for(job->exec, x->chunks, choose_bricks, job);
+  status = status == CHI_OK ? find_needed(job) : status;
+  status = status == CHI_OK ? chi_for(job->exec, x->runs, classify, job) : status;
   status = status == CHI_OK ? chi_for(job->exec, x->chunks, look_through, job) : status;
   if (status != CHI_OK)
   {
@@ -433,7 +455,8 @@ chi_status chi_fiber_find(const chi_exec* exec, chi_fiber_pairs* pairs, const ch
     .no_skipping = no_skipping,
     .word = (uint64_t*)pairs->mask_buffer.data,
     .active = (uint8_t*)pairs->active_buffer.data,
-    .passed = (uint8_t*)pairs->active_buffer.data + x->bricks };
+    .passed = (uint8_t*)pairs->active_buffer.data + x->bricks,
+    .needed = (atomic_uchar*)pairs->active_buffer.data + x->bricks + x->runs };
   for (size_t b = 0; b < pairs->batches && status == CHI_OK; ++b)
   {
     const size_t first = b * CHI_FIBER_BATCH;

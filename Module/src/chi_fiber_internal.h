@@ -28,7 +28,7 @@ enum
   CHI_FIBER_LIST_CHUNK = 32,  /* bricks that are worked on together */
   CHI_FIBER_IMAGE_CHUNK = 2,
   CHI_FIBER_SUMS = 3,       /* cells left out: bad values, bad places, hidden */
-  CHI_FIBER_RUN = 1024,     /* points with their ranges together */
+  CHI_FIBER_RUN = 256,      /* points with their ranges together */
   CHI_FIBER_CORNERS = 6,    /* most corners of a part: a quadrilateral cut off twice */
   CHI_FIBER_PARTITIONS = 64 /* of the points' names */
 };
@@ -194,6 +194,19 @@ static inline size_t chi_fiber_first_point(const chi_fiber_index* x, const size_
   return at[0] + (x->grid.dimensions[0] + 1) * (at[1] + (x->grid.dimensions[1] + 1) * at[2]);
 }
 
+/* The cells of an image's brick, from `low` to before `high`; its points reach up to there. */
+static inline void chi_fiber_block(
+  const chi_fiber_index* x, size_t brick, size_t low[3], size_t high[3])
+{
+  const size_t* const n = x->blocks;
+  const size_t block[3] = { brick % n[0], brick / n[0] % n[1], brick / n[0] / n[1] };
+  for (int a = 0; a < 3; ++a)
+  {
+    low[a] = block[a] * CHI_FIBER_BLOCK;
+    high[a] = chi_grid_chunk_end(low[a], CHI_FIBER_BLOCK, x->grid.dimensions[a]);
+  }
+}
+
 /* A tetrahedron's points; its cell. */
 static inline size_t chi_fiber_fetch(const chi_fiber_index* x, uint64_t tetrahedron, uint32_t v[4])
 {
@@ -266,6 +279,8 @@ void chi_fiber_pairs_free(const chi_exec* exec, chi_fiber_pairs* pairs);
 
 /* Whether a segment may meet a box; errs towards yes. */
 int chi_fiber_meets(const chi_fiber_segment* s, const chi_fiber_range* box);
+/* The bits of a segment for the points of a box, and whether they hold for all of these. */
+int chi_fiber_bits_of_box(const chi_fiber_segment* s, const chi_fiber_range* box, uint64_t* bits);
 
 /* ---- their parts of the surface ---- */
 

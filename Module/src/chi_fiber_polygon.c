@@ -1,7 +1,8 @@
 /* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
 /* SPDX-License-Identifier: BSD-3-Clause */
 
-/* A polygon in the plane of two fields as segments, with their ends known as the same or not. */
+/* A polygon in the plane of two fields as segments, with their ends known as the same or not, and
+ * how these lie to boxes. */
 
 #include "chi_fiber_internal.h"
 
@@ -174,6 +175,60 @@ chi_status chi_fiber_polygon_read(
     id += length > 0 ? length - 1 : 0;
   }
   return CHI_OK;
+}
+
+/* Extremes of the line function over a box, and what their rounding may be. */
+typedef struct box_sides
+{
+  double low, high, error;
+} box_sides;
+
+static box_sides sides_of(const double along[2], const double from[2], const chi_fiber_range* box)
+{
+  box_sides s = { 0, 0, 0 };
+  for (int k = 0; k < 2; ++k)
+  {
+    const double a = along[k] * (box->low[k] - from[k]), b = along[k] * (box->high[k] - from[k]);
+    s.low += a < b ? a : b;
+    s.high += a < b ? b : a;
+    s.error += fabs(a) + fabs(b);
+  }
+  s.error *= 0x1p-50; /* three roundings of u = 2^-53 a term, and one of the sum */
+  return s;
+}
+
+static box_sides line_sides(const chi_fiber_segment* s, const chi_fiber_range* box)
+{
+  const double normal[2] = { -s->d[1], s->d[0] };
+  return sides_of(normal, s->p, box);
+}
+
+int chi_fiber_meets(const chi_fiber_segment* s, const chi_fiber_range* box)
+{
+  for (int k = 0; k < 2; ++k)
+  {
+    const double low = s->p[k] < s->q[k] ? s->p[k] : s->q[k];
+    const double high = s->p[k] < s->q[k] ? s->q[k] : s->p[k];
+    if (!(low <= box->high[k] && high >= box->low[k]))
+    {
+      return 0;
+    }
+  }
+  const box_sides side = line_sides(s, box);
+  return side.low <= side.error && side.high >= -side.error;
+}
+
+int chi_fiber_bits_of_box(const chi_fiber_segment* s, const chi_fiber_range* box, uint64_t* bits)
+{
+  const box_sides line = line_sides(s, box), along = sides_of(s->d, s->p, box);
+  const double error = along.error + s->square * 0x1p-50;
+  const int left = line.low > line.error, right = line.high < -line.error;
+  const int before = along.high<-error, after = along.low> error;
+  const int beyond = along.low - s->square > error, within = along.high - s->square < -error;
+  *bits = (uint64_t)left << CHI_FIBER_LEFT | (uint64_t)before << CHI_FIBER_BEFORE |
+    (uint64_t)beyond << CHI_FIBER_BEYOND | (uint64_t)before << CHI_FIBER_MAYBE_BEFORE |
+    (uint64_t)beyond << CHI_FIBER_MAYBE_BEYOND;
+  return (left || right) && (before || after) && (beyond || within);
 }
 
 void chi_fiber_polygon_free(const chi_exec* exec, chi_fiber_polygon* polygon)

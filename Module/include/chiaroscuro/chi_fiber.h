@@ -26,7 +26,7 @@ typedef struct chi_fiber chi_fiber;
 enum
 {
   CHI_FIBER_SKIP_BRICKS = 1,    /**< bricks of cells whose ranges miss every segment of a batch */
-  CHI_FIBER_SKIP_RUNS = 2,      /**< runs of points that lie on one side of a segment's line */
+  CHI_FIBER_SKIP_RUNS = 2,      /**< runs of points that no brick needs, or on one side of all */
   CHI_FIBER_SKIP_UNCHANGED = 4, /**< index and surface of inputs that have not changed */
   CHI_FIBER_SKIP_KINDS = 3
 };
