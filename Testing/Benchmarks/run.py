@@ -21,6 +21,7 @@ def main():
     if not (out / "fibres128.raw").exists():
         subprocess.run([sys.executable, HERE / "scenes.py", data, out], check=True)
     given = {
+        "bench_fiber_vtk": ["128", out / "peers"],  # where the wheel with its peer stays for the next run
         "bench_occlusion": [out / "brain128.raw"],
         "bench_occlusion_error": [out],
         "bench_occlusion_error_vtk": [out],  # reads what the one before has left there
