@@ -7,6 +7,7 @@ import time
 import numpy as np
 from PIL import Image
 
+import brain_scatterplot
 import brain_tetrahedra
 from brain_with_fibres import scene
 from save_picture import save
@@ -20,6 +21,11 @@ TETRAHEDRA = """The same brain without its skull (ch2bet, smoothed by 1.5 voxels
 where it has detail (left), and the image itself (right), under one transfer function. Left to right the
 pictures differ by {:.1f} of 255 on average, which is what so few points leave out: the order of the
 tetrahedra has {} violations over all pixels."""
+
+
+SCATTERPLOT = """T1 intensity of a brain (ch2better, smoothed by 0.75 mm) against the magnitude of its gradient (left): the volume of
+{:,} tetrahedra, each spread over the bins exactly. What is brushed there (orange) is, in the brain (right), the walls
+of the lateral ventricles: the fiber surface of that polygon, {:,} triangles, beside the half of the brain behind it."""
 
 
 def join(left, right, path):
@@ -46,10 +52,33 @@ def draw_tetrahedra(data, folder):
             violations = mapper.GetNumberOfOrderViolations()
         window.RemoveRenderer(renderer)
         window.Finalize()
+    mapper.SetOcclusionStrength(1.0)
+    start = time.perf_counter()
+    window = save(renderers[0], f"{folder}/tetrahedra_with_occlusion.png")
+    rows.append(("tetrahedra with occlusion", time.perf_counter() - start, "", ""))
+    window.RemoveRenderer(renderers[0])
+    window.Finalize()
+    mapper.SetOcclusionStrength(0.0)
     pictures = [np.asarray(Image.open(f"{folder}/{name}.png"), float) for name in ("tetrahedra", "image")]
     join(f"{folder}/tetrahedra.png", f"{folder}/image.png", f"{folder}/brain_tetrahedra.png")
     difference = np.abs(pictures[0] - pictures[1]).mean()
     return rows, TETRAHEDRA.format(mapper.GetNumberOfTetrahedra(), difference, violations)
+
+
+def draw_scatterplot(data, folder):
+    """The same of the scatterplot and the fiber surface."""
+    head = brain_scatterplot.read(data)
+    start = time.perf_counter()
+    view, scatterplot = brain_scatterplot.plot(head)
+    rows = [("scatterplot", time.perf_counter() - start, "", "")]
+    brain_scatterplot.save_view(view, f"{folder}/scatterplot.png")
+    start = time.perf_counter()
+    renderer, fibers = brain_scatterplot.scene(head)
+    fibers.Update()
+    rows.append(("fiber surface", time.perf_counter() - start, "", ""))
+    save(renderer, f"{folder}/ventricles.png")
+    join(f"{folder}/scatterplot.png", f"{folder}/ventricles.png", f"{folder}/brain_scatterplot.png")
+    return rows, SCATTERPLOT.format(scatterplot.GetNumberOfSimplices(), fibers.GetOutput().GetNumberOfPolys())
 
 
 def main():
@@ -70,12 +99,16 @@ def main():
     join(f"{folder}/without_occlusion.png", f"{folder}/with_occlusion.png", f"{folder}/side_by_side.png")
     more, caption = draw_tetrahedra(data, folder)
     rows += more
+    more, plotted = draw_scatterplot(data, folder)
+    rows += more
     print(f"{'stage':28s}{'time/ms':>10s}{'samples taken':>16s}{'samples skipped':>17s}")
     for stage, seconds, taken, skipped in rows:
         print(f"{stage:28s}{1e3 * seconds:10.1f}{taken!s:>16s}{skipped!s:>17s}")
     print(CAPTION)
     print(caption)
-    print(f"pictures: {folder}/without_occlusion.png, with_occlusion.png, side_by_side.png, brain_tetrahedra.png")
+    print(plotted)
+    print(f"pictures: {folder}/without_occlusion.png, with_occlusion.png, side_by_side.png, brain_tetrahedra.png, "
+          "tetrahedra_with_occlusion.png, brain_scatterplot.png")
 
 
 if __name__ == "__main__":
