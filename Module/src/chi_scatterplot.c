@@ -56,6 +56,7 @@ void chi_scatterplot_destroy(chi_scatterplot* plot)
   }
   chi_buffer_free(exec, &plot->pieces);
   chi_buffer_free(exec, &plot->order);
+  chi_buffer_free(exec, &plot->masses);
   chi_free(exec, plot, 1, sizeof *plot);
 }
 
@@ -200,6 +201,19 @@ static double determinant3(const double* m)
     m[2] * (m[4] * m[9] - m[5] * m[8]);
 }
 
+/* Whether cell i is the tetrahedron of the ids 4 i ... 4 i + 3, so that only these have to be read.
+ */
+static int is_uniform(const chi_grid_view* v)
+{
+  int is_there = v->kind == CHI_GRID_UNSTRUCTURED && v->connectivity_count / 4 >= v->cell_count;
+  for (size_t i = 0; is_there && i < v->cell_count; ++i)
+  {
+    is_there = v->cell_types[i] == 10 && v->offsets[i] == 4 * (int64_t)i;
+  }
+  return is_there &&
+    (v->cell_count == 0 || v->offsets[v->cell_count] == 4 * (int64_t)v->cell_count);
+}
+
 static void plan_pieces(chi_scatter_job* job)
 {
   const chi_grid* const grid = &job->grid;
@@ -209,6 +223,7 @@ static void plan_pieces(chi_scatter_job* job)
     job->input.association == CHI_SCATTERPLOT_POINTS;
   job->cell_volume = kind == CHI_GRID_IMAGE ? fabs(determinant3(grid->view.index_to_world)) / 6 : 0;
   job->piece_count = job->dimension > 0;
+  job->is_uniform = is_uniform(&grid->view);
   for (int a = 0; a < 3 && job->is_lattice; ++a)
   {
     const int64_t rest = job->input.first_index[a] % CHI_SCATTER_BRICK;
@@ -286,6 +301,14 @@ static chi_status measure(chi_scatter_job* job, int* is_kept)
   int32_t of[12];
   plan_pieces(job);
   chi_status status = job->dimension > 0 ? chi_scatter_sort(job) : CHI_OK;
+  if (status == CHI_OK && job->dimension == 3 && job->grid.view.kind == CHI_GRID_UNSTRUCTURED &&
+    job->input.association == CHI_SCATTERPLOT_POINTS)
+  {
+    /* grows with the number of cells, which is the same where the rest is kept */
+    const int is_there = chi_buffer_reserve(exec, &keep->masses, job->grid.cells, sizeof(double));
+    status = is_there ? CHI_OK : CHI_ERROR_OUT_OF_MEMORY;
+    job->masses = (double*)keep->masses.data;
+  }
   describe_pieces(job, of);
   *is_kept = version && grid_version && version == keep->version &&
     grid_version == keep->grid_version && job->piece_count == keep->piece_count &&

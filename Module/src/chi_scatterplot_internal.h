@@ -66,7 +66,7 @@ struct chi_scatterplot
 {
   chi_exec exec;
   int has_exec;
-  chi_buffer pieces, order;
+  chi_buffer pieces, order, masses;
   size_t piece_count;
   uint64_t grid_version, version, order_version;
   int32_t kept_of[12]; /* what else the pieces depend on */
@@ -83,6 +83,7 @@ typedef struct chi_scatter_job
   chi_scatterplot_reduction reduction;
   chi_grid grid;
   int dimension;
+  int is_uniform;   /* a list of nothing but tetrahedra, one after the other */
   int is_lattice;   /* an image or rectilinear grid of three dimensions with fields of points */
   size_t bricks[3]; /* of a lattice, along each axis */
   size_t brick_phase[3]; /* cells of the whole's brick before the grid's first cell */
@@ -90,6 +91,7 @@ typedef struct chi_scatter_job
   double cell_volume; /* of an image; 0: cells differ */
   chi_scatter_piece* pieces;
   size_t piece_count;
+  double* masses; /* of a list's cells in their order, as far as they are tetrahedra; or NULL */
   const uint32_t* order; /* of a list that is sorted, or NULL */
   const chi_scatter_kernels* kernels;
   chi_scatter_plot plot;

@@ -101,16 +101,23 @@ static double volume6(const double* p, const double* q, const double* r, const d
     a[2] * (b[0] * c[1] - b[1] * c[0]));
 }
 
-/* A tetrahedron that is a cell itself. */
-static int add_tetrahedron(chi_scatter_job* job, chi_scatter_worker* w, size_t index)
+/* A tetrahedron that is a cell itself. Its mass is kept at `mass` when it is first looked at, and
+ * is NaN where its points are not finite. */
+static int add_tetrahedron(
+  chi_scatter_job* job, chi_scatter_worker* w, size_t index, double* mass, int is_first)
 {
   const chi_grid* const grid = &job->grid;
   const chi_grid_view* const v = &grid->view;
   chi_scatter_block* const b = &w->block;
-  const int64_t begin = v->offsets[index], end = v->offsets[index + 1];
-  if (begin < 0 || end != begin + 4 || (uint64_t)end > v->connectivity_count)
+  int64_t begin = 4 * (int64_t)index;
+  if (!job->is_uniform)
   {
-    return CHI_CELL_BROKEN;
+    begin = v->offsets[index];
+    const int64_t end = v->offsets[index + 1];
+    if (begin < 0 || end != begin + 4 || (uint64_t)end > v->connectivity_count)
+    {
+      return CHI_CELL_BROKEN;
+    }
   }
   const int64_t* const ids = v->connectivity + begin;
   double x[4][3], reach = 0;
@@ -121,6 +128,9 @@ static int add_tetrahedron(chi_scatter_job* job, chi_scatter_worker* w, size_t i
       return CHI_CELL_BROKEN;
     }
     b->ids[c * b->capacity + b->count] = (uint32_t)ids[c];
+  }
+  for (size_t c = 0; c < 4 && is_first; ++c)
+  {
     chi_grid_point(grid, (size_t)ids[c], x[c]);
     for (int a = 0; a < 3; ++a)
     {
@@ -128,11 +138,16 @@ static int add_tetrahedron(chi_scatter_job* job, chi_scatter_worker* w, size_t i
       reach = far <= reach ? reach : far; /* NaN stays */
     }
   }
-  if (!(reach <= largest))
+  if (is_first)
+  {
+    const double volume = reach <= largest ? volume6(x[0], x[1], x[2], x[3]) / 6 : NAN;
+    *mass = volume * chi_scatter_weight(job, index, ids, 4);
+  }
+  if (*mass != *mass)
   {
     return CHI_CELL_NON_FINITE;
   }
-  b->mass[b->count] = volume6(x[0], x[1], x[2], x[3]) / 6 * chi_scatter_weight(job, index, ids, 4);
+  b->mass[b->count] = *mass;
   b->cell[b->count++] = (uint32_t)index;
   return CHI_CELL_GOOD;
 }
@@ -503,6 +518,32 @@ static void count(chi_scatter_job* job, chi_scatter_piece* piece, int found)
   }
 }
 
+/* Fetch what is needed of cells further on in an order that is not memory's. */
+static void fetch_ahead(const chi_scatter_job* job, size_t i, size_t last)
+{
+  enum
+  {
+    FAR = 64,
+    NEAR = 12
+  };
+  const chi_grid_view* const v = &job->grid.view;
+  if (job->is_uniform && i + FAR < last)
+  {
+    __builtin_prefetch(v->connectivity + 4 * (size_t)job->order[i + FAR]);
+  }
+  else if (i + FAR < last)
+  {
+    const size_t cell = job->order[i + FAR];
+    __builtin_prefetch(v->offsets + cell);
+    __builtin_prefetch(v->cell_types + cell);
+    const int64_t at = v->offsets[job->order[i + NEAR]];
+    if (at >= 0 && (uint64_t)at < v->connectivity_count)
+    {
+      __builtin_prefetch(v->connectivity + at);
+    }
+  }
+}
+
 void chi_scatter_visit_run(
   chi_scatter_job* job, size_t run, chi_scatter_worker* w, chi_scatter_piece* piece)
 {
@@ -512,8 +553,7 @@ void chi_scatter_visit_run(
   const size_t end = begin + CHI_SCATTER_RUN - job->run_phase;
   const size_t last = end < cells ? end : cells;
   const int are_cells = job->input.association == CHI_SCATTERPLOT_CELLS;
-  const int is_plain =
-    v->kind == CHI_GRID_UNSTRUCTURED && !v->cell_ghosts && !v->point_ghosts && job->dimension == 3;
+  const int is_plain = job->masses && !v->cell_ghosts && !v->point_ghosts;
   if (piece)
   {
     *piece = (chi_scatter_piece){ .low = { INFINITY, INFINITY }, .high = { -INFINITY, -INFINITY } };
@@ -521,12 +561,17 @@ void chi_scatter_visit_run(
   for (size_t i = first; i < last && !job->failed; ++i)
   {
     const size_t index = job->order ? job->order[i] : i;
+    if (job->order)
+    {
+      fetch_ahead(job, i, last);
+    }
     if (are_cells)
     {
       count(job, piece, visit_constant(job, w, index, piece));
       continue;
     }
-    const int is_tetrahedron = is_plain && v->cell_types[index] == VTK_TETRA_TYPE;
+    const int is_tetrahedron =
+      is_plain && (job->is_uniform || v->cell_types[index] == VTK_TETRA_TYPE);
     const size_t most = is_tetrahedron ? 1 : most_simplices(job, index);
     if (most > w->block.capacity - w->block.count)
     {
@@ -537,7 +582,7 @@ void chi_scatter_visit_run(
       }
     }
     count(job, piece,
-      is_tetrahedron          ? add_tetrahedron(job, w, index)
+      is_tetrahedron          ? add_tetrahedron(job, w, index, job->masses + i, piece != NULL)
         : job->dimension == 2 ? chi_scatter_add_polygon(job, w, index)
                               : add_cell(job, w, index));
   }

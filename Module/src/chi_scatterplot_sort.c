@@ -58,6 +58,7 @@ static int first_point(const chi_scatter_job* job, size_t cell, double x[3])
 static void find_bounds(void* data, size_t begin, size_t end)
 {
   const sort_job* const s = (const sort_job*)data;
+  const size_t n = s->job->grid.points;
   for (size_t part = begin; part < end; ++part)
   {
     double* const b = s->bounds[part];
@@ -66,14 +67,36 @@ static void find_bounds(void* data, size_t begin, size_t end)
       b[2 * a] = INFINITY;
       b[2 * a + 1] = -INFINITY;
     }
-    for (size_t i = part_begin(s, part); i < part_begin(s, part + 1); ++i)
+    for (size_t i = n / PARTS * part; i < (part + 1 < PARTS ? n / PARTS * (part + 1) : n); ++i)
     {
       double x[3];
-      for (int a = 0; a < 3 && first_point(s->job, i, x); ++a)
+      chi_grid_point(&s->job->grid, i, x);
+      for (int a = 0; a < 3; ++a)
       {
-        b[2 * a] = x[a] < b[2 * a] ? x[a] : b[2 * a];
-        b[2 * a + 1] = x[a] > b[2 * a + 1] ? x[a] : b[2 * a + 1];
+        /* infinite ones would leave no scale; their cells are left out anyway */
+        b[2 * a] = x[a] < b[2 * a] && x[a] > -INFINITY ? x[a] : b[2 * a];
+        b[2 * a + 1] = x[a] > b[2 * a + 1] && x[a] < INFINITY ? x[a] : b[2 * a + 1];
       }
+    }
+  }
+}
+
+/* Points of cells further on, which may be anywhere. */
+static void fetch_ahead(const chi_scatter_job* job, size_t i)
+{
+  enum
+  {
+    FAR = 64
+  };
+  const chi_grid_view* const v = &job->grid.view;
+  if (i + FAR < job->grid.cells)
+  {
+    const int64_t at = v->offsets[i + FAR];
+    if (at >= 0 && (uint64_t)at < v->connectivity_count &&
+      (uint64_t)v->connectivity[at] < job->grid.points)
+    {
+      __builtin_prefetch(
+        (const char*)v->points.data + (size_t)v->connectivity[at] * v->points.stride);
     }
   }
 }
@@ -104,6 +127,7 @@ static void make_keys(void* data, size_t begin, size_t end)
   {
     for (size_t i = part_begin(s, part); i < part_begin(s, part + 1); ++i)
     {
+      fetch_ahead(s->job, i);
       s->from[i] = (entry){ key_of(s, i), (uint32_t)i };
     }
   }

@@ -152,7 +152,7 @@ CHI_INLINE8 v8 shares4(const double* s, const double* r, v8 at)
 }
 
 /* Share of a triangle a <= b <= c: (X - a)^2 / ((b - a)(c - a)) up to b, then
- * 1 - (c - X)^2 / ((c - a)(c - b)).                                                           (8)
+ * 1 - (c - X)^2 / ((c - a)(c - b)).                                                           (4)
  */
 CHI_INLINE8 v8 shares3(const double* s, const double* r, v8 at)
 {
