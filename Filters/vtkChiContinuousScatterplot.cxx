@@ -267,7 +267,7 @@ bool vtkChiContinuousScatterplot::FindField(vtkDataSet* input, int index, Field&
   if (!field.Array)
   {
     vtkErrorMacro("there is no " << names[index]
-                                 << (isChosen ? " of the name chosen by SetInputArrayToProcess"
+                                 << (isChosen ? vtkChiChosenArray(this, index)
                                               : " of points; choose it by SetInputArrayToProcess"));
     return false;
   }

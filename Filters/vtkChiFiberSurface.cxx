@@ -276,9 +276,9 @@ int vtkChiFiberSurface::RequestData(vtkInformation* vtkNotUsed(request),
     }
     if (!arrays[i])
     {
-      vtkErrorMacro("there is no " << which << " array of points"
-                                   << (isChosen ? " of the name chosen by SetInputArrayToProcess"
-                                                : "; choose it by SetInputArrayToProcess"));
+      vtkErrorMacro("there is no "
+        << which << " array of points"
+        << (isChosen ? vtkChiChosenArray(this, i) : "; choose it by SetInputArrayToProcess"));
       return 0;
     }
     if (this->Component[i] >= arrays[i]->GetNumberOfComponents())

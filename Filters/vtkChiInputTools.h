@@ -3,7 +3,10 @@
 #ifndef vtkChiInputTools_h
 #define vtkChiInputTools_h
 
+#include "vtkAlgorithm.h"
 #include "vtkDataArray.h"
+#include "vtkDataObject.h"
+#include "vtkInformation.h"
 
 #include <cstdint>
 #include <cstring>
@@ -22,6 +25,15 @@ inline std::uint64_t vtkChiBits(double value)
   static_assert(sizeof(pattern) == sizeof(value), "bits of a double");
   std::memcpy(&pattern, &value, sizeof(pattern));
   return pattern;
+}
+
+// For messages: what SetInputArrayToProcess has been told, for messages about an array that is not there.
+inline std::string vtkChiChosenArray(vtkAlgorithm* algorithm, int index)
+{
+  vtkInformation* chosen = algorithm->GetInputArrayInformation(index);
+  const char* name = chosen->Get(vtkDataObject::FIELD_NAME());
+  return name ? std::string(" '") + name + "', chosen by SetInputArrayToProcess"
+              : " of the kind chosen by SetInputArrayToProcess";
 }
 
 // For messages.
