@@ -1,5 +1,6 @@
 /* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include "chi_derived_kernels.h"
 #include "chi_fiber_kernels.h"
 #include "chi_occlusion_kernels.h"
 #include "chi_scatterplot_kernels.h"
@@ -108,5 +109,18 @@ const chi_scatter_kernels* chi_scatter_get_kernels(void)
                        : &chi_scatter_kernels_generic;
 #else
   return &chi_scatter_kernels_generic;
+#endif
+}
+
+const chi_derived_kernels* chi_derived_get_kernels(int is_double)
+{
+#if defined(__x86_64__) && defined(__GNUC__)
+  const int set = instruction_set();
+  return (set == AVX512    ? chi_derived_kernels_avx512
+             : set == AVX2 ? chi_derived_kernels_avx2
+                           : chi_derived_kernels_generic) +
+    (is_double ? 1 : 0);
+#else
+  return chi_derived_kernels_generic + (is_double ? 1 : 0);
 #endif
 }
