@@ -8,7 +8,11 @@
 #include <math.h>
 #include <string.h>
 
-static const double independent = 1e-6; /* of a column: the share that no earlier one explains */
+static const double spread = 1e-6; /* of neighbours along an axis, that it counts as one */
+/* Of a column: the least share that no earlier one explains. What is left of fields of third degree
+ * is magnified by its inverse: bent layers, two at a time, must not pass for knowledge of a second
+ * derivative across. On one side of a point two layers leave 0.3. */
+static const double independent = 0.1;
 
 /* Eigenvectors of a symmetric matrix by Jacobi's rotations, as columns, the largest first. */
 static void find_frame(double m[3][3], double frame[3][3], double value[3])
@@ -83,10 +87,10 @@ static size_t choose_frame(const chi_fit* f, size_t dimension, double frame[3][3
     }
   }
   find_frame(m, frame, value);
-  const size_t spanned = value[2] > independent * independent ? 3
-    : value[1] > independent * independent                    ? 2
-    : value[0] > 0                                            ? 1
-                                                              : 0;
+  const size_t spanned = value[2] > spread * spread ? 3
+    : value[1] > spread * spread                    ? 2
+    : value[0] > 0                                  ? 1
+                                                    : 0;
   return spanned < dimension ? spanned : dimension;
 }
 

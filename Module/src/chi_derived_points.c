@@ -280,7 +280,7 @@ static void write_point(
     result[2] = trace;
     result[3] = is_flat ? 0 : (trace - form / square) / (2 * length);
     counts->flat_points += (size_t)is_flat;
-    counts->non_finite_points += (size_t)(isnan(length + trace) != 0);
+    counts->non_finite_points += (size_t)(isnan(length + trace + form) != 0);
     counts->linear_points += (size_t)!d->is_complete;
   }
   else

@@ -135,6 +135,30 @@ static void spheres_have_their_curvature_on_tetrahedra(void)
   free_derived(&d);
 }
 
+/* Points at the boundary see two layers, which are not quite flat: the second derivative across
+ * is no less certain for that. */
+static void bent_layers_magnify_nothing(void)
+{
+  derived d = make_mesh(25, HEXAHEDRA, 0);
+  for (size_t i = 0; i < d.points; ++i)
+  {
+    double* const x = d.x + 3 * i;
+    const double old = x[0];
+    x[0] += 0.03 * sin(2 * x[1]);
+    x[1] += 0.03 * sin(2 * x[2]);
+    x[2] += 0.03 * sin(2 * old);
+  }
+  sample(&d, sphere);
+  CHECK(run_derived(&d, NULL) == CHI_OK);
+  double error[ALL];
+  find_errors(&d, sphere, NULL, error);
+  /* h = 0.05, third derivatives of up to 3 / r^2 = 0.9: h^2 and h times these */
+  CHECK_NEAR(error[0], 0, 2e-3);
+  CHECK_NEAR(error[2], 0, 0.05);
+  CHECK(d.counts.linear_points == 0);
+  free_derived(&d);
+}
+
 /* A plane that leans in space, as triangles: derivatives within it. */
 static void a_sheet_has_the_derivatives_within_it(void)
 {
@@ -319,6 +343,7 @@ int main(void)
   quadratic_fields_are_exact_on_any_mesh();
   errors_fall_by_the_order();
   spheres_have_their_curvature_on_tetrahedra();
+  bent_layers_magnify_nothing();
   a_sheet_has_the_derivatives_within_it();
   few_neighbours_give_what_they_can_and_are_counted();
   hidden_cells_and_points_do_not_count();

@@ -232,7 +232,7 @@ static void refused_memory_is_reported_and_given_back(void)
       host = (chi_test_host){ .refuse_at = i, .cancel_at = 1L << 40 };
       CHECK(run_derived(&k.d, &exec) == CHI_ERROR_OUT_OF_MEMORY && host.live == 0);
     }
-    for (long i = 0; i < polls; i += 1 + polls / 50)
+    for (long i = 0; i < polls; i += 1 + polls / 20)
     {
       host = (chi_test_host){ .refuse_at = -1, .cancel_at = i };
       CHECK(run_derived(&k.d, &exec) == CHI_ERROR_CANCELLED && host.live == 0);

@@ -36,7 +36,7 @@ typedef struct chi_derived_arrays
   void* second_derivative;  /**< along the gradient: n . Hess f . n with n = grad f / |grad f| */
   void* laplacian;          /**< div grad f */
   void* mean_curvature;     /**< of the isosurface: div(n) / 2; positive where it bulges towards
-                                 lower values: a sphere about a minimum has 1 / radius */
+                                 higher values: a sphere about a minimum has 1 / radius */
 } chi_derived_arrays;
 
 typedef struct chi_derived_counts

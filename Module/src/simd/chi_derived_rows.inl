@@ -365,7 +365,8 @@ CHI_INLINE void NAME(finish_rows)(chi_derived_rows* rows, const chi_derived_form
       2 * (p[0] * p[1] * xy + p[0] * p[2] * xz + p[1] * p[2] * yz);
     const REAL steep = form2 / square;                     /* (2) */
     const REAL curvature = (trace - steep) / (2 * length); /* (4) */
-    nan += trace + length != trace + length;
+    const REAL all = trace + length + form2;
+    nan += all != all;
     magnitude[i] = length * factor[0][0] * factor[0][1];
     along[i] = (is_flat ? trace - trace : steep) * factor[1][0] * factor[1][1];
     laplacian[i] = trace * factor[2][0] * factor[2][1];
