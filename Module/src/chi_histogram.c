@@ -14,7 +14,8 @@ enum
 {
   MOST_BINS = 1 << 20,
   DEFAULT_MOMENTS = 4,
-  QUANTILE_BINS = 1024
+  COARSE_BINS = 1024, /* of a quantile's first pass, which is kept */
+  FINE_BINS = 32      /* of the others: there a cell that meets the window spans all of it */
 };
 
 /* ---- the handle */
@@ -149,7 +150,7 @@ static void write_outputs(
   chi_sum below = { slots[0], 0 };
   for (size_t i = 0; i < bins; ++i)
   {
-    const double mass = slots[2 * i + 2], area = slots[2 * i + 3];
+    const double mass = slots[i + 1], area = slots[bins + 2 + i + 1];
     chi_sum_add(&below, mass);
     if (o->centers)
     {
@@ -230,7 +231,7 @@ chi_status chi_histogram_compute(const chi_exec* exec, chi_histogram* h, const c
   }
   const double* const slots = (const double*)h->bin_buffer.data;
   r->mass_below = slots[0];
-  r->mass_above = slots[2 * (params.bins + 1)];
+  r->mass_above = slots[params.bins + 1];
   write_outputs(slots, r, params.bins, &outputs);
   h->field_version = params.field_version;
   h->grid_version = plan.grid.view.version;
@@ -272,7 +273,7 @@ chi_status chi_histogram_moment(const chi_histogram* h, int32_t order, double* m
 /* The bins of the field's whole range, once. */
 static chi_status find_coarse(const chi_exec* exec, chi_histogram* h, const double** slots)
 {
-  const size_t numbers = 2 * (QUANTILE_BINS + 2);
+  const size_t numbers = 2 * (COARSE_BINS + 2);
   const double* const range = h->result.field_range;
   chi_histogram_window window;
   chi_status status = CHI_OK;
@@ -283,7 +284,7 @@ static chi_status find_coarse(const chi_exec* exec, chi_histogram* h, const doub
     {
       return CHI_ERROR_OUT_OF_MEMORY;
     }
-    chi_histogram_open_window(&window, range[0], range[1], QUANTILE_BINS);
+    chi_histogram_open_window(&window, range[0], range[1], COARSE_BINS);
     status = chi_histogram_fill_window(exec, h, &window, skipped);
     if (status == CHI_OK)
     {
@@ -296,19 +297,19 @@ static chi_status find_coarse(const chi_exec* exec, chi_histogram* h, const doub
 }
 
 /* Narrow low ... high to the bin in which the mass below reaches the target; the place in it. */
-static double narrow(const double* slots, double target, double* low, double* high)
+static double narrow(const double* slots, size_t bins, double target, double* low, double* high)
 {
   const double begin = *low, size = *high - *low;
   chi_sum below = { slots[0], 0 };
-  for (size_t j = 0; j < QUANTILE_BINS; ++j)
+  for (size_t j = 0; j < bins; ++j)
   {
-    const double mass = slots[2 * j + 2], before = chi_sum_value(&below);
+    const double mass = slots[j + 1], before = chi_sum_value(&below);
     chi_sum_add(&below, mass);
     if (chi_sum_value(&below) >= target)
     {
       const double part = mass > 0 ? (target - before) / mass : 0;
-      *low = begin + size * ((double)j / QUANTILE_BINS);
-      *high = begin + size * ((double)(j + 1) / QUANTILE_BINS);
+      *low = begin + size * ((double)j / (double)bins);
+      *high = begin + size * ((double)(j + 1) / (double)bins);
       return *low + (*high - *low) * (part < 0 ? 0 : part > 1 ? 1 : part);
     }
   }
@@ -334,26 +335,28 @@ chi_status chi_histogram_quantile(
   {
     return CHI_ERROR_EMPTY;
   }
-  if (share == 0 || share == 1 || !chi_histogram_open_window(&window, low, high, QUANTILE_BINS))
+  if (share == 0 || share == 1 || !chi_histogram_open_window(&window, low, high, COARSE_BINS))
   {
     *quantile = share < 1 ? low : high;
     return CHI_OK;
   }
   const double target = share * r->total_mass, enough = 1e-13 * (high - low);
   const double* slots;
+  size_t bins = COARSE_BINS;
   chi_status status = find_coarse(exec, h, &slots);
   while (status == CHI_OK)
   {
     const double before = high - low;
-    *quantile = narrow(slots, target, &low, &high);
+    *quantile = narrow(slots, bins, target, &low, &high);
     if (!(high - low > enough) || !(high - low < before) ||
-      !chi_histogram_open_window(&window, low, high, QUANTILE_BINS))
+      !chi_histogram_open_window(&window, low, high, FINE_BINS))
     {
       break;
     }
     int64_t skipped[CHI_HISTOGRAM_SKIP_KINDS] = { 0 };
     status = chi_histogram_fill_window(exec, h, &window, skipped);
     slots = (const double*)h->bin_buffer.data;
+    bins = FINE_BINS;
   }
   return status;
 }

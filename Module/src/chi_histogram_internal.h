@@ -8,6 +8,7 @@
 #include "chi_buffer.h"
 #include "chi_grid_internal.h"
 #include "chi_scatterplot_internal.h" /* values of fields */
+#include "simd/chi_histogram_kernels.h"
 
 enum
 {
@@ -37,15 +38,6 @@ typedef struct chi_histogram_piece
   uint32_t cells, simplices, skipped, ghosts, blanked, lower_dimensional, unsupported;
   int64_t bad; /* a cell that is broken, or -1 */
 } chi_histogram_piece;
-
-/* Bins over a range of values. Slot 0 is below, slot j + 1 bin j, slot bins + 1 above. */
-typedef struct chi_histogram_window
-{
-  double low, high, scale;
-  double snap;    /* adding and taking it away rounds to multiples of `quantum` */
-  double quantum; /* in units of bins */
-  size_t bins;
-} chi_histogram_window;
 
 /* How a mesh and its field are read. */
 typedef struct chi_histogram_plan
@@ -139,7 +131,7 @@ void chi_histogram_add_up(chi_histogram* histogram);
 
 /* A window over low ... high with `bins` bins; 0 where there can be none. */
 int chi_histogram_open_window(chi_histogram_window* window, double low, double high, size_t bins);
-/* Pairs of mass and area of all slots (chi_histogram_bins.c), in histogram->bin_buffer; `skipped`
+/* Masses of all slots, then areas (chi_histogram_bins.c), in histogram->bin_buffer; `skipped`
  * counts pieces by kind. */
 chi_status chi_histogram_fill_window(const chi_exec* exec, chi_histogram* histogram,
   const chi_histogram_window* window, int64_t skipped[CHI_HISTOGRAM_SKIP_KINDS]);

@@ -137,7 +137,7 @@ CHI_API void chi_histogram_destroy(const chi_exec* exec, chi_histogram* histogra
  * itself, however many bins it spans. The bins and the masses beyond the range add up to total_mass
  * within 1e-12 of it, at any scale of the field. Values beyond 2^200 widths of a bin are taken as
  * there.
- * Determinism  same bits for any number of threads and any parallel_for.
+ * Determinism  same bits for any number of threads and any parallel_for on one set of instructions.
  * Non-finite   cells with such values are left out and counted.
  * Cost         O(simplices + bins that each spans); pieces that miss the range or lie in one bin
  * are one deposit.
@@ -176,8 +176,8 @@ CHI_API CHI_NODISCARD chi_status chi_histogram_moment(
  * CHI_ERROR_OUT_OF_MEMORY, CHI_ERROR_CANCELLED
  * @retval CHI_ERROR_EMPTY  there is no mass
  *
- * Cost         a histogram of 1024 bins over all (kept while the mesh and the field are), and three
- * over the pieces that meet a bin of the one before.
+ * Cost         a histogram of 1024 bins over all (kept while the mesh and the field are), and seven
+ * of 32 over the pieces that meet a bin of the one before.
  */
 CHI_API CHI_NODISCARD chi_status chi_histogram_quantile(
   const chi_exec* exec, chi_histogram* histogram, double share, double* quantile);

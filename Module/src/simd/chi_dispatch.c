@@ -2,6 +2,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "chi_derived_kernels.h"
 #include "chi_fiber_kernels.h"
+#include "chi_histogram_kernels.h"
 #include "chi_occlusion_kernels.h"
 #include "chi_scatterplot_kernels.h"
 #include "chi_segment_kernels.h"
@@ -122,5 +123,17 @@ const chi_derived_kernels* chi_derived_get_kernels(int is_double)
     (is_double ? 1 : 0);
 #else
   return chi_derived_kernels_generic + (is_double ? 1 : 0);
+#endif
+}
+
+const chi_histogram_kernels* chi_histogram_get_kernels(void)
+{
+#if defined(__x86_64__) && defined(__GNUC__)
+  const int set = instruction_set();
+  return set == AVX512 ? &chi_histogram_kernels_avx512
+    : set == AVX2      ? &chi_histogram_kernels_avx2
+                       : &chi_histogram_kernels_generic;
+#else
+  return &chi_histogram_kernels_generic;
 #endif
 }
