@@ -337,6 +337,7 @@ void vtkChiProjectedTetrahedraMapper::CollectParameters(vtkRenderer* renderer, v
   params.order = this->VisibilityOrder;
   params.pre_integration = this->PreIntegration;
   params.projection = this->Projection;
+  params.subpixel_splatting = this->SubpixelSplatting ? 1 : 0;
   if (in.Field.GetTransfer()->plane && this->Projection == PROJECTION_PUBLISHED)
   {
     params.projection = CHI_TET_PROJECTION_EXACT;

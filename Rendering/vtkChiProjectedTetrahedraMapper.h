@@ -246,6 +246,20 @@ public:
 
   ///@{
   /**
+   * In pixels that are touched by a tetrahedron at most two pixels wide and high, draw of all
+   * tetrahedra the mean over the pixel's area in place of what the ray of its centre meets: nothing
+   * is too small to be seen, optical depths are kept, and edges there are smooth. By the CPU engine
+   * alone, in 2 to 5 microseconds a small tetrahedron; frames without small ones take as long as
+   * ever. Maximum intensity, the published projection, occlusion and transfer functions of two
+   * quantities do without, as does selection. Default off.
+   */
+  vtkSetMacro(SubpixelSplatting, bool);
+  vtkGetMacro(SubpixelSplatting, bool);
+  vtkBooleanMacro(SubpixelSplatting, bool);
+  ///@}
+
+  ///@{
+  /**
    * What an opacity a of vtkVolumeProperty means over its unit distance u. Linear, the default, as
    * to vtkProjectedTetrahedraMapper: extinction a / u a length, so that a path of u has the opacity
    * 1 - exp(-a). Image, as to VTK's mappers of images: extinction -ln(1 - min(a, 1 - 1e-6)) / u, so
@@ -481,6 +495,11 @@ public:
    */
   vtkIdType GetNumberOfExactTetrahedra();
 
+  /**
+   * Of the drawn tetrahedra those that are small enough for SubpixelSplatting; 0 where it is off.
+   */
+  vtkIdType GetNumberOfSplattedTetrahedra();
+
   ///@{
   /**
    * The order (ORDER_..., never auto) and the pre-integration that the last frame was drawn with,
@@ -502,8 +521,8 @@ public:
   /**
    * Wall-clock seconds of the last frame, stage by stage: looking at inputs and transfer functions;
    * drawing opaque geometry into the private buffer; reading its depth back; splitting cells;
-   * fetching scalars; sorting; finding the tiles of each tetrahedron; the pixels; of these the light
-   * of occlusion; all of the engine; drawing the result into the frame buffer; everything.
+   * fetching scalars; sorting; finding the tiles of each tetrahedron; the pixels; of these the
+   * light of occlusion; all of the engine; drawing the result into the frame buffer; everything.
    */
   double GetSecondsCollect();
   double GetSecondsGeometry();
@@ -562,6 +581,7 @@ protected:
   int VisibilityOrder = ORDER_AUTO;
   int PreIntegration = PREINTEGRATION_AUTO;
   int Projection = PROJECTION_EXACT;
+  bool SubpixelSplatting = false;
   int OpacityConvention = OPACITY_LINEAR;
   bool AutomaticUnitDistance = false;
   double OcclusionStrength = 0.0;

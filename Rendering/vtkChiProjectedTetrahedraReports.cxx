@@ -78,6 +78,7 @@ CHI_REPORT(vtkIdType, NumberOfNonFiniteTetrahedra, stats.non_finite_cells)
 CHI_REPORT(vtkIdType, NumberOfDrawnTetrahedra, stats.drawn)
 CHI_REPORT(vtkIdType, NumberOfFragments, stats.fragments)
 CHI_REPORT(vtkIdType, NumberOfExactTetrahedra, stats.drawn_exactly)
+CHI_REPORT(vtkIdType, NumberOfSplattedTetrahedra, stats.splatted)
 CHI_REPORT(int, UsedVisibilityOrder, stats.order.used)
 CHI_REPORT(int, UsedPreIntegration, stats.pre_integration)
 CHI_REPORT(vtkIdType, NumberOfCycles, stats.order.cycles)
@@ -149,6 +150,7 @@ void vtkChiProjectedTetrahedraMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent
      << "Projection: " << (this->Projection == PROJECTION_PUBLISHED ? "Published" : "Exact")
      << "\n";
+  os << indent << "SubpixelSplatting: " << this->SubpixelSplatting << "\n";
   os << indent
      << "OpacityConvention: " << (this->OpacityConvention == OPACITY_IMAGE ? "Image" : "Linear")
      << "\n";

@@ -106,6 +106,10 @@ std::string vtkChiTetGL::WhyNot(vtkOpenGLRenderWindow* window, const chi_tet_fra
   {
     return "the published projection is drawn by the CPU engine alone";
   }
+  if (frame.params->subpixel_splatting)
+  {
+    return "small tetrahedra are splatted by the CPU engine alone";
+  }
   if (frame.params->occlusion_strength > 0.0 && frame.params->blend == CHI_TET_BLEND_COMPOSITE)
   {
     return "the OpenGL engine does not have occlusion of tetrahedra";

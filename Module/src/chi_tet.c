@@ -48,7 +48,7 @@ typedef struct bin_key
   uint64_t visible;
   const void* depth;
   uint64_t surface;
-  int64_t skip;
+  int64_t skip, splatting;
 } bin_key;
 
 typedef struct draw_key
@@ -109,8 +109,9 @@ struct chi_tet
   uint64_t versions[4]; /* of the points, the sequence, the vertices, the values */
   described_key described;
   uint64_t frame_version;
-  uint64_t sequenced;  /* version of the sequence that is made; 0: none */
-  chi_buffer sequence; /* uint32 */
+  uint64_t sequenced;   /* version of the sequence that is made; 0: none */
+  chi_buffer sequence;  /* uint32 */
+  chi_buffer integrals; /* double [entries][4] of the tables, where small ones are splatted */
   size_t sequence_count;
   chi_tet_stats stats;
 };
@@ -184,6 +185,7 @@ void chi_tet_destroy(const chi_exec* exec, chi_tet* tet)
   chi_buffer_free(exec, &tet->shades);
   chi_buffer_free(exec, &tet->image);
   chi_buffer_free(exec, &tet->sequence);
+  chi_buffer_free(exec, &tet->integrals);
   chi_free(exec, tet, 1, sizeof *tet);
 }
 
@@ -263,6 +265,9 @@ static chi_status adopt(own_frame* own, const chi_tet_frame* given)
   f->surface = f->surface ? &own->surface : NULL;
   f->params = &own->params;
   f->shading = f->shading ? &own->shading : NULL;
+  chi_tet_params* const p = &own->params;
+  p->subpixel_splatting = p->subpixel_splatting && p->blend == CHI_TET_BLEND_COMPOSITE &&
+    p->projection == CHI_TET_PROJECTION_EXACT && !chi_tet_is_occluded(p) && !f->transfer->plane;
   if (own->params.skip & CHI_TET_SKIP_ALL)
   {
     own->params.skip |= CHI_TET_SKIP_EVERY_KIND;
@@ -530,6 +535,7 @@ static chi_status bin(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* f
   memset(&key, 0, sizeof key);
   key.visible = tet->values.version;
   key.skip = f->params->skip & (CHI_TET_SKIP_CLIPPED | CHI_TET_SKIP_HIDDEN);
+  key.splatting = f->params->subpixel_splatting;
   if (f->surface && key.skip & CHI_TET_SKIP_HIDDEN)
   {
     key.depth = f->surface->depth;
@@ -566,6 +572,7 @@ static void report(chi_tet_stats* stats, const chi_tet_tally* tally)
   stats->drawn = tally->tetrahedra;
   stats->fragments = tally->fragments;
   stats->delicate = tally->delicate;
+  stats->splatted = tally->splatted;
   stats->drawn_exactly = tally->left;
   stats->skipped[5] = tally->saturated;
 }
@@ -728,6 +735,7 @@ chi_status chi_tet_describe(
   }
   const double start = now();
   const chi_tet_frame* const f = &own.frame;
+  own.params.subpixel_splatting = 0;
   chi_status status = reduce(exec, tet, &own);
   status = status == CHI_OK ? prepare(exec, tet, f) : status;
   if (status == CHI_OK && (tet->sequenced != tet->versions[1] || !tet->sequenced))
@@ -826,8 +834,8 @@ static int use_cache(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* f)
   memcpy(key.range, tet->tables.range, sizeof key.range);
   key.count = (size_t)tet->tables.count;
   key.projection = f->params->projection;
-  if (!f->params->fragment_cache_bytes || tet->values.separate || tet->values.direct ||
-    f->params->blend != CHI_TET_BLEND_COMPOSITE || f->shading ||
+  if (!f->params->fragment_cache_bytes || f->params->subpixel_splatting || tet->values.separate ||
+    tet->values.direct || f->params->blend != CHI_TET_BLEND_COMPOSITE || f->shading ||
     !(f->params->skip & CHI_TET_SKIP_UNCHANGED))
   {
     chi_tet_cache_free(exec, cache);
@@ -883,12 +891,21 @@ static chi_status draw(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* 
     s->seconds_draw = now() - begin;
     return status;
   }
+  if (f->params->subpixel_splatting)
+  {
+    const chi_status prepared = chi_tet_splat_prepare(exec, &tet->integrals, &tet->tables);
+    if (prepared != CHI_OK)
+    {
+      return prepared;
+    }
+  }
   const int use = use_cache(exec, tet, f);
   const chi_tet_pass pass = { .skip_saturated = f->params->skip & CHI_TET_SKIP_SATURATED,
     .rgba = rgba,
     .cache = cache,
     .cache_use = use,
-    .published = f->params->projection == CHI_TET_PROJECTION_PUBLISHED };
+    .published = f->params->projection == CHI_TET_PROJECTION_PUBLISHED,
+    .integrals = f->params->subpixel_splatting ? (const double(*)[4])tet->integrals.data : NULL };
   const chi_status status = chi_tet_draw(exec, &tet->bins, &scene, &pass, &tet->tally);
   cache->is_counted = status == CHI_OK && (use == CHI_TET_CACHE_COUNT || cache->is_counted);
   cache->is_full = status == CHI_OK && (use == CHI_TET_CACHE_WRITE || cache->is_full);

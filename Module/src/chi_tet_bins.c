@@ -8,6 +8,9 @@
 
 #include <math.h>
 
+/* The points on the screen are floats: 16 roundings of the largest window, pixels. */
+#define MARGIN 2e-2f
+
 typedef struct bin_job
 {
   const chi_tet_mesh* mesh;
@@ -314,7 +317,8 @@ chi_status chi_tet_bins_build(const chi_exec* exec, chi_tet_bins* bins, const ch
       : NULL,
     .window = { (const float(*)[2])eye->screen.data, (const uint32_t*)mesh->vertices.data, width,
       height, eye->any_beyond, frame->camera->parallel != 0, (const chi_tet_point*)eye->points.data,
-      { eye->first[0], eye->first[1] }, { eye->step[0], eye->step[1] }, frame->camera->near_depth },
+      { eye->first[0], eye->first[1] }, { eye->step[0], eye->step[1] }, frame->camera->near_depth,
+      frame->params->subpixel_splatting ? 0.5f + MARGIN : MARGIN },
     .width = width,
     .height = height,
     .bits = bits,

@@ -117,6 +117,38 @@ static void store_picks(const draw_job* job, const chi_tet_target* target, int32
   }
 }
 
+/* By a function of its own, so that the stack of other frames stays as small as it was. */
+static __attribute__((noinline)) void draw_splatted(const draw_job* job, const uint64_t* list,
+  size_t count, const int32_t tile[2], chi_tet_target* target, chi_tet_tally* tally)
+{
+  chi_tet_splatter splatter;
+  splatter.scene = job->scene;
+  splatter.integrals = job->pass->integrals;
+  splatter.target = target;
+  splatter.tile[0] = tile[0];
+  splatter.tile[1] = tile[1];
+  tally->splatted = chi_tet_splat_begin(&splatter, list, count);
+  target->projector = tally->splatted ? &splatter.projector : NULL;
+  job->kernels->draw(job->scene, list, count, tile[0], tile[1], target, tally);
+  if (!tally->splatted)
+  {
+    store_tile(job, target->rgba, tile[0], tile[1]);
+    return;
+  }
+  chi_tet_splat_end(&splatter);
+  store_tile(job, target->rgba, tile[0], tile[1]);
+  const int32_t width = job->scene->width, height = job->scene->height;
+  for (int32_t i = 0; i < CHI_TET_TILE_PIXELS; ++i)
+  {
+    const int32_t x = tile[0] + i % CHI_TET_TILE, y = tile[1] + i / CHI_TET_TILE;
+    if (x < width && y < height)
+    {
+      job->pass->rgba[4 * ((size_t)y * (size_t)width + (size_t)x) + 3] =
+        chi_tet_splat_alpha(&splatter, i);
+    }
+  }
+}
+
 static void draw_tile(draw_job* job, size_t tile)
 {
   _Alignas(64) float rgba[4 * CHI_TET_TILE_PIXELS];
@@ -153,9 +185,16 @@ static void draw_tile(draw_job* job, size_t tile)
   }
   if (!job->pass->picks)
   {
-    job->kernels->draw(s, list, count, x0, y0, &target, job->tally + tile);
-    job->tally[tile].left = published.left;
-    store_tile(job, rgba, x0, y0);
+    if (job->pass->integrals)
+    {
+      draw_splatted(job, list, count, (int32_t[2]){ x0, y0 }, &target, job->tally + tile);
+    }
+    else
+    {
+      job->kernels->draw(s, list, count, x0, y0, &target, job->tally + tile);
+      job->tally[tile].left = published.left;
+      store_tile(job, rgba, x0, y0);
+    }
     return;
   }
   float alpha[CHI_TET_TILE_PIXELS] = { 0 }, depth[CHI_TET_TILE_PIXELS];
@@ -248,6 +287,7 @@ chi_status chi_tet_draw(const chi_exec* exec, chi_tet_bins* bins, const chi_tet_
     tally->fragments += each[i].fragments;
     tally->saturated += each[i].saturated;
     tally->left += each[i].left;
+    tally->splatted += each[i].splatted;
   }
   return status;
 }

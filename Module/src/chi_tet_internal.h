@@ -171,7 +171,9 @@ typedef struct chi_tet_pass
   const chi_tet_picks* picks; /* or NULL */
   chi_tet_cache* cache;
   int cache_use; /* CHI_TET_CACHE_... */
-  int published; /* by CHI_TET_PROJECTION_PUBLISHED; not with `picks` */
+  /* not with `picks`: */
+  int published;                /* by CHI_TET_PROJECTION_PUBLISHED */
+  const double (*integrals)[4]; /* of chi_tet_splat_prepare: small ones are splatted; or NULL */
 } chi_tet_pass;
 
 /* chi_tet_projector: a tetrahedron by the published projection. */
@@ -204,6 +206,31 @@ chi_status chi_tet_occlude(const chi_exec* exec, chi_tet_occlusion** keep, chi_t
   const chi_tet_scene* scene, const chi_tet_frame* frame, double cell, float* rgba,
   chi_tet_occlusion_result* result);
 void chi_tet_occlusion_destroy(const chi_exec* exec, chi_tet_occlusion* occlusion); /* NULL too */
+
+/* Small tetrahedra by what they cover of each pixel of a tile. */
+typedef struct chi_tet_splatter
+{
+  chi_tet_projector projector;
+  const chi_tet_scene* scene;   /* set before all, */
+  const double (*integrals)[4]; /* as are these, */
+  chi_tet_target* target;
+  int32_t tile[2];      /* and the first pixel */
+  int32_t is_unsettled; /* fragments of marked pixels are on their way */
+  uint8_t marked[CHI_TET_TILE_PIXELS];
+  double merged[CHI_TET_TILE_PIXELS][4]; /* emission, and optical depth */
+  double through[CHI_TET_TILE_PIXELS];   /* the transmittance, of which the target holds a float */
+  uint64_t covered[CHI_TET_TILE_PIXELS]; /* of 8 x 8 places in a pixel those that any covers */
+} chi_tet_splatter;
+
+/* Integrals over the tables, double [count][4]. */
+chi_status chi_tet_splat_prepare(
+  const chi_exec* exec, chi_buffer* integrals, const chi_segment_tables* tables);
+/* How many of a tile's list are small; where any is, the tile is to be drawn with the projector,
+ * and then ended. */
+int64_t chi_tet_splat_begin(chi_tet_splatter* splatter, const uint64_t* list, size_t count);
+void chi_tet_splat_end(chi_tet_splatter* splatter);
+/* A pixel's opacity after the end, of whatever size; of one that is not marked, as the target's. */
+float chi_tet_splat_alpha(const chi_tet_splatter* splatter, int32_t pixel);
 
 /* A frame of fewer pixels, and its picture brought to size. */
 typedef struct chi_tet_reduction

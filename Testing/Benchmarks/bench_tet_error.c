@@ -7,8 +7,10 @@
 #include "chi_bench.h"
 #include "tet_frame.h"
 #include "tet_reference.h"
+#include "tet_tiny.h"
 
 #include <math.h>
+#include <string.h>
 
 enum
 {
@@ -149,9 +151,71 @@ static void bench_colors(
   chi_preintegration_destroy(NULL, owner);
 }
 
+enum
+{
+  FEW = 64,   /* pixels a side of pictures of small cells */
+  SAMPLES = 4 /* a side of each, for what they are judged by */
+};
+
+/* Means of so many pixels a side. */
+static void reduce(const float* from, int times, float* to)
+{
+  const int width = FEW * times;
+  memset(to, 0, 4 * FEW * FEW * sizeof *to);
+  for (int i = 0; i < 4 * width * width; ++i)
+  {
+    const int x = i / 4 % width / times, y = i / 4 / width / times;
+    to[4 * (y * FEW + x) + i % 4] += from[i] / (float)(times * times);
+  }
+}
+
+/* Cells below a pixel: one ray a pixel, splatted, and 16 rays, by which the others are judged. */
+static void bench_small(const char* name, const tet_mesh* mesh)
+{
+  static float wanted[4 * FEW * FEW];
+  static tet_transfer transfer;
+  scene s;
+  make_scene(&s, mesh, TET_VIEW_OBLIQUE, 0, FEW);
+  tet_transfer_signal(&transfer, 1);
+  s.frame.transfer = &transfer.view;
+  static const char* const names[] = { "16 rays", "one ray", "splatted" };
+  for (int way = 0; way < 3; ++way)
+  {
+    const int times = way ? 1 : SAMPLES;
+    s.camera.width = s.camera.height = FEW * times;
+    s.params.subpixel_splatting = way == 2;
+    chi_tet* const tet = make_renderer();
+    const double time = time_frame(tet, &s);
+    chi_tet_image image;
+    chi_tet_get_image(tet, &image);
+    if (!way)
+    {
+      reduce(image.rgba, times, wanted);
+    }
+    double sum = 0, most = 0;
+    for (int i = 0; i < 4 * FEW * FEW && way; ++i)
+    {
+      const double error = 255 * fabs((double)image.rgba[i] - (double)wanted[i]);
+      sum += error;
+      most = error > most ? error : most;
+    }
+    print_errors(name, names[way], "64 x 64", mesh->count, time, sum / (4 * FEW * FEW), most);
+    chi_tet_destroy(NULL, tet);
+  }
+}
+
 int main(void)
 {
   printf(CHI_BENCH_HEADER);
+  tet_mesh* small = tet_tiny_noise(40, 3);
+  bench_small("cells of a pixel", small);
+  tet_mesh_free(small);
+  small = tet_tiny_dust(100000, 0.002, 0.02, 7);
+  bench_small("dust", small);
+  tet_mesh_free(small);
+  small = tet_tiny_graded(20, 1000, 1);
+  bench_small("edges 1000:1", small);
+  tet_mesh_free(small);
   static const size_t sizes[] = { 1, 4, 16, 64 };
   for (size_t k = 0; k < sizeof sizes / sizeof *sizes; ++k)
   {

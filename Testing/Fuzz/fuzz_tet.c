@@ -52,6 +52,8 @@ static chi_tet_params any_params(fuzz* f)
   p.skip = fuzz_byte(f) & 1 ? CHI_TET_SKIP_ALL : (int32_t)fuzz_upto(f, CHI_TET_SKIP_EVERY_KIND);
   p.automatic_unit_distance = fuzz_once_in(f, 4);
   p.reduction = fuzz_once_in(f, 4) ? (int32_t)fuzz_upto(f, 8) : 0;
+  p.projection = fuzz_once_in(f, 8) ? CHI_TET_PROJECTION_PUBLISHED : CHI_TET_PROJECTION_EXACT;
+  p.subpixel_splatting = fuzz_once_in(f, 4);
   p.fragment_cache_bytes = fuzz_byte(f) & 1 ? fuzz_upto(f, 65535) * fuzz_upto(f, 64) : 0;
   if (fuzz_once_in(f, 4))
   {

@@ -189,6 +189,20 @@ void tet_transfer_constant(tet_transfer* t, double extinction)
   set_view(t);
 }
 
+void tet_transfer_linear(tet_transfer* t, double extinction)
+{
+  for (int i = 0; i < TET_TABLE; ++i)
+  {
+    const float x = (float)i / (TET_TABLE - 1);
+    t->rgb[i][0] = x;
+    t->rgb[i][1] = 0.5f;
+    t->rgb[i][2] = 1 - x;
+    t->opacity[i] = x;
+  }
+  set_view(t);
+  t->view.unit_distance = 1 / extinction;
+}
+
 void tet_transfer_signal(tet_transfer* t, double times)
 {
   for (int i = 0; i < TET_TABLE; ++i)

@@ -74,6 +74,8 @@ typedef struct tet_transfer
 
 /** White, of one extinction a world unit, 0 ... 1. */
 void tet_transfer_constant(tet_transfer* transfer, double extinction);
+/** From blue to red, of an extinction of the scalar times so much. */
+void tet_transfer_linear(tet_transfer* transfer, double extinction);
 /** The test signal's: blue to green, then green to red, each times as opaque as the first. */
 void tet_transfer_signal(tet_transfer* transfer, double times);
 /** A Gaussian about the middle: sigma is a share of the range; colours run from blue to red. */

@@ -78,5 +78,45 @@ class Published(unittest.TestCase):
         self.assertEqual(mapper.GetEngineInUse(), mapper.ENGINE_OPENGL)
 
 
+class Splatting(unittest.TestCase):
+    """Tetrahedra below a pixel."""
+
+    def scene(self, splatting, tau=0.01):
+        # 24^3 cubes of a third of a pixel, and three quarters of the window empty
+        scene = TetScene(cube(24), even(tau), (16, 16))
+        scene.mapper.SetSubpixelSplatting(splatting)
+        scene.look(OBLIQUE, half=1.1, parallel=True)
+        return scene
+
+    def test_keeps_the_optical_depth(self):
+        off = {}
+        for splatting in (False, True):
+            scene = self.scene(splatting)
+            opacity = scene.rgba()[..., 3].astype(float)
+            pixel = (2.0 * 1.1 / 16.0) ** 2
+            # an even cube of edge 1: its volume
+            off[splatting] = abs(-np.log1p(-opacity).sum() * pixel / 0.01 - 1.0)
+            self.assertEqual(scene.mapper.GetNumberOfSplattedTetrahedra() > 6 * 24**3 - 1, splatting)
+            self.assertEqual((scene.messages.errors, scene.messages.warnings), ([], []))
+        self.assertLess(off[True], 1e-4)
+        self.assertLess(off[True], off[False])
+        self.assertIn("SubpixelSplatting: 1", str(scene.mapper))
+
+    def test_leaves_large_cells_alone(self):
+        scene = even_cube(1, True)
+        plain = scene.rgba()
+        scene.mapper.SubpixelSplattingOn()
+        np.testing.assert_array_equal(plain, scene.rgba())
+        self.assertEqual(scene.mapper.GetNumberOfSplattedTetrahedra(), 0)
+
+    def test_is_the_cpu_engines(self):
+        scene = self.scene(True)
+        scene.mapper.SetEngineToOpenGL()
+        scene.window.Render()
+        self.assertEqual(scene.mapper.GetEngineInUse(), scene.mapper.ENGINE_CPU)
+        self.assertIn("splatted", scene.mapper.GetEngineReason())
+        self.assertEqual(len(scene.messages.warnings), 1)
+
+
 if __name__ == "__main__":
     unittest.main()

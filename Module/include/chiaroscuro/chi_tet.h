@@ -131,7 +131,14 @@ typedef struct chi_tet_params
   int32_t direction_count; /**< 1 ... 64, of equal solid angle each; 0 (default) = 16 */
   int32_t occlusion_slabs; /**< over the depths of what is drawn, 1 ... 4096; 0 (default) = 128 */
   int32_t full_size_light; /**< non-zero: a light pixel a pixel; 0 (default): one for four */
-  int32_t reserved_too;
+  int32_t subpixel_splatting; /**< non-zero: pixels that are touched by a tetrahedron whose box is
+                                  at most two pixels wide and high have of all tetrahedra the mean
+                                  over the rays of their area, not what the ray of their centre
+                                  meets, so that nothing is too small to count. Thin ones are
+                                  merged. Of composited pictures by the exact projection, without
+                                  occlusion, under transfer functions of one quantity; others,
+                                  cells that are found, counts of violations and plans are without.
+                                  No fragments are kept. Default 0 */
 } chi_tet_params;
 
 /** One frame: all borrowed, none modified. */
@@ -191,6 +198,7 @@ typedef struct chi_tet_stats
   double seconds_light;   /**< of seconds_draw: light through the slabs; 0 without occlusion */
   size_t bytes_occlusion; /**< of light planes and the slabs' lists, kept from frame to frame */
   int64_t light_slabs;    /**< passed before all was opaque or drawn; 0 without occlusion */
+  int64_t splatted;       /**< of drawn: the small ones of subpixel splatting */
   int64_t drawn_exactly;  /**< of drawn: what the published projection has left to the exact one */
 } chi_tet_stats;
 

@@ -299,12 +299,29 @@ CHI_INLINE void evaluate_ends(
   ends[1] = vf_min(vf_max(s1, least), most);
 }
 
+/* Lanes whose pixels are not marked. */
+static __attribute__((noinline)) void find_unmarked(
+  const uint8_t* marked, const int32_t pixel[CHI_LANES], int32_t out[CHI_LANES])
+{
+  for (int i = 0; i < CHI_LANES; ++i)
+  {
+    out[i] = -!marked[pixel[i] & (CHI_TET_TILE_PIXELS - 1)];
+  }
+}
+
 /* Fragments of one tetrahedron at pixels of the tile, x and y from the first of its box; those of
- * lanes that are not set in `wanted` are none. */
+ * lanes that are not set in `wanted` are none, nor those at marked pixels. */
 CHI_INLINE void evaluate(tile_state* t, int lane, vf x, vf y, vi pixel, vi wanted,
   const int parallel, const int separate, const int direct, const int cuts, const int picking,
-  const int lit, const int named)
+  const int lit, const int named, const uint8_t* marked)
 {
+  if (marked)
+  {
+    int32_t at[CHI_LANES], unmarked[CHI_LANES];
+    vi_store(at, pixel);
+    find_unmarked(marked, at, unmarked);
+    wanted &= vi_load(unmarked);
+  }
   const batch* const r = &t->r;
   fragments* const f = &t->f;
   const int32_t front = r->front[lane];

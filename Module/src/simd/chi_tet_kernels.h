@@ -72,7 +72,7 @@ typedef struct chi_tet_scene
 
 typedef struct chi_tet_tally
 {
-  int64_t tetrahedra, flat, delicate, fragments, saturated, left;
+  int64_t tetrahedra, flat, delicate, fragments, saturated, left, splatted;
 } chi_tet_tally;
 
 /* Fragments of a tile, front to back, as they are kept from frame to frame. */
@@ -97,12 +97,14 @@ typedef struct chi_tet_sink chi_tet_sink;
 struct chi_tet_sink
 {
   void (*put)(chi_tet_sink* sink, uint32_t tetrahedron, const chi_tet_fragment* fragment);
+  void (*settle)(chi_tet_sink* sink); /* all that was given before is in its pixel then */
 };
 
 /* What a projector leaves of a tetrahedron to be drawn by its planes. */
 enum
 {
   CHI_TET_REST_NONE,
+  CHI_TET_REST_UNMARKED, /* its pixels that are not marked */
   CHI_TET_REST_ALL
 };
 
@@ -113,7 +115,8 @@ struct chi_tet_projector
   /* One tetrahedron at the pixels of the tile whose first is `tile`; CHI_TET_REST_... */
   int (*draw)(chi_tet_projector* projector, const chi_tet_scene* scene, uint32_t tetrahedron,
     const int32_t tile[2], chi_tet_sink* sink);
-  int64_t left; /* tetrahedra that it has left to their planes */
+  const uint8_t* marked; /* [CHI_TET_TILE_PIXELS]; or NULL */
+  int64_t left;          /* tetrahedra that it has left to their planes */
 };
 
 /* Where the fragments of a tile go. */
@@ -157,6 +160,7 @@ typedef struct chi_tet_window
   int32_t parallel;
   const chi_tet_point* points;
   double first[2], step[2], near_depth; /* as of the scene; for what is NaN */
+  float margin; /* a pixel counts as covered if its centre is so near to the box, pixels */
 } chi_tet_window;
 
 enum

@@ -563,8 +563,8 @@ CHI_INLINE void find_spans(const batch* r, int lane, cursor* at)
 }
 
 /* Goes on with a tetrahedron until it is done, or the fragments fill their buffer: 0 then. */
-CHI_INLINE int go_on(
-  tile_state* t, int lane, cursor* at, const narrow_boxes* boxes, const variant u)
+CHI_INLINE int go_on(tile_state* t, int lane, cursor* at, const narrow_boxes* boxes,
+  const uint8_t* marked, const variant u)
 {
   const batch* const r = &t->r;
   const int32_t x0 = r->x0[lane], y0 = r->y0[lane];
@@ -582,7 +582,7 @@ CHI_INLINE int go_on(
       }
       const vf row = y + (float)at->row;
       evaluate(t, lane, x, row, pixel + (at->row << CHI_TET_TILE_SHIFT), row < (float)height,
-        u.parallel, u.separate, u.direct, u.cuts, u.picking, u.lit, u.picking | u.shaded);
+        u.parallel, u.separate, u.direct, u.cuts, u.picking, u.lit, u.picking | u.shaded, marked);
     }
     return 1;
   }
@@ -607,7 +607,7 @@ CHI_INLINE int go_on(
       /* beyond the row's end any pixel of the tile will do */
       const vi pixel = (in_row & wanted) + ((y0 + at->row) << CHI_TET_TILE_SHIFT);
       evaluate(t, lane, x, vf_set((float)at->row), pixel, wanted, u.parallel, u.separate, u.direct,
-        u.cuts, u.picking, u.lit, u.picking | u.shaded);
+        u.cuts, u.picking, u.lit, u.picking | u.shaded, marked);
     }
   }
   return 1;
@@ -644,11 +644,17 @@ static void put(chi_tet_sink* sink, uint32_t tetrahedron, const chi_tet_fragment
   f->id[i] = tetrahedron;
 }
 
+static void settle(chi_tet_sink* sink)
+{
+  tile_sink* const it = (tile_sink*)sink;
+  consume(it->tile, it->variant);
+}
+
 static __attribute__((noinline)) int project(tile_state* t, uint32_t tetrahedron, const variant u)
 {
   const int32_t tile[2] = { t->x, t->y };
   chi_tet_projector* const projector = t->target->projector;
-  tile_sink sink = { { put }, t, u };
+  tile_sink sink = { { put, settle }, t, u };
   return projector->draw(projector, t->scene, tetrahedron, tile, &sink.sink);
 }
 
@@ -662,9 +668,15 @@ CHI_INLINE void draw_batch(tile_state* t, int n, const narrow_boxes* boxes, cons
   t->tally->tetrahedra += n;
   for (int lane = 0; lane < n; ++lane)
   {
-    if (u.projected && project(t, r->id[lane], u) == CHI_TET_REST_NONE)
+    const uint8_t* marked = NULL;
+    if (u.projected)
     {
-      continue;
+      const int rest = project(t, r->id[lane], u);
+      marked = rest == CHI_TET_REST_UNMARKED ? t->target->projector->marked : NULL;
+      if (rest == CHI_TET_REST_NONE)
+      {
+        continue;
+      }
     }
     if (r->x1[lane] < r->x0[lane] || r->y1[lane] < r->y0[lane])
     {
@@ -683,7 +695,7 @@ CHI_INLINE void draw_batch(tile_state* t, int n, const narrow_boxes* boxes, cons
     cursor at;
     at.row = 0;
     at.spans_row = -1;
-    while (!go_on(t, lane, &at, boxes, u))
+    while (!go_on(t, lane, &at, boxes, marked, u))
     {
       consume(t, u);
     }

@@ -3,21 +3,18 @@
 
 /* Which tiles of the window a tetrahedron may have pixels in. */
 
-/* Pixels; the points on the screen are floats: 16 roundings of the largest window. */
-#define RANGE_MARGIN 2e-2f
-
 static uint32_t range_of_box(const chi_tet_window* w, const float low[2], const float high[2])
 {
   const float last[2] = { (float)(w->width - 1), (float)(w->height - 1) };
   uint32_t range = 0;
   for (int k = 0; k < 2; ++k)
   {
-    if (high[k] < -RANGE_MARGIN || low[k] > last[k] + RANGE_MARGIN)
+    if (high[k] < -w->margin || low[k] > last[k] + w->margin)
     {
       return CHI_TET_OUTSIDE;
     }
-    const float from = low[k] - RANGE_MARGIN > 0 ? ceilf(low[k] - RANGE_MARGIN) : 0;
-    const float to = high[k] + RANGE_MARGIN < last[k] ? floorf(high[k] + RANGE_MARGIN) : last[k];
+    const float from = low[k] - w->margin > 0 ? ceilf(low[k] - w->margin) : 0;
+    const float to = high[k] + w->margin < last[k] ? floorf(high[k] + w->margin) : last[k];
     if (from > to)
     {
       return CHI_TET_UNCOVERED;
@@ -66,7 +63,7 @@ static void ranges(const chi_tet_window* w, size_t begin, size_t end, uint32_t* 
     return;
   }
 #ifdef __SSE4_1__
-  const __m128 margin = _mm_set1_ps(RANGE_MARGIN), zero = _mm_setzero_ps();
+  const __m128 margin = _mm_set1_ps(w->margin), zero = _mm_setzero_ps();
   const float x = (float)(w->width - 1), y = (float)(w->height - 1);
   const __m128 last = _mm_setr_ps(x, y, x, y);
   for (size_t t = begin; t < end; ++t)
