@@ -151,6 +151,10 @@ __attribute__((unused)) static void reference_bins(const split* s, const double*
       const long double size = (long double)high - low;
       const long double begin = low + size * (long double)i / (long double)count;
       const long double end = low + size * (long double)(i + 1) / (long double)count;
+      if (end <= v[0] || begin >= v[3])
+      {
+        continue;
+      }
       const long double part = part_below(v, end) - part_below(v, begin);
       mass[i] += part * fabsl(volume);
       area[i] += part * integral;
