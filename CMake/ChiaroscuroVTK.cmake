@@ -4,8 +4,8 @@ if (CHIAROSCURO_BUILD_PARAVIEW)
 endif ()
 set(chiaroscuro_vtk_components
   CommonCore CommonDataModel CommonExecutionModel CommonTransforms FiltersCore FiltersGeneral
-  FiltersSources ImagingCore ImagingHybrid IOImage InteractionStyle RenderingCore RenderingOpenGL2
-  RenderingVolume RenderingVolumeOpenGL2 TestingCore TestingRendering)
+  FiltersSources ImagingCore ImagingHybrid IOImage InteractionStyle ParallelCore
+  RenderingCore RenderingOpenGL2 RenderingVolume RenderingVolumeOpenGL2 TestingCore TestingRendering)
 if (CHIAROSCURO_BUILD_PYTHON)
   list(APPEND chiaroscuro_vtk_components WrappingPythonCore Python)
 endif ()

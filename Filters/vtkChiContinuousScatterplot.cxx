@@ -7,17 +7,21 @@
 #include "vtkChiGridInput.h"
 #include "vtkChiInputTools.h"
 #include "vtkChiViews.h"
+#include "vtkCommunicator.h"
 #include "vtkCompositeDataSet.h"
 #include "vtkDataSet.h"
 #include "vtkDoubleArray.h"
+#include "vtkExtentTranslator.h"
 #include "vtkIdList.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkMultiBlockDataSet.h"
+#include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
+#include "vtkRectilinearGrid.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkStringArray.h"
 #include "vtkUnsignedCharArray.h"
@@ -25,6 +29,7 @@
 
 #include <chiaroscuro/chi_scatterplot.h>
 
+#include <algorithm>
 #include <tuple>
 
 vtkStandardNewMacro(vtkChiContinuousScatterplot);
@@ -40,6 +45,7 @@ struct vtkChiContinuousScatterplot::Field
 struct vtkChiContinuousScatterplot::Internals
 {
   vtkChiGridInput Grid;
+  vtkSmartPointer<vtkMultiProcessController> Controller;
   chi_scatterplot* Handle = nullptr;
   chi_scatterplot_result Result = {};
 
@@ -62,9 +68,98 @@ vtkChiContinuousScatterplot::vtkChiContinuousScatterplot()
   : Internal(new Internals)
 {
   this->SetNumberOfOutputPorts(2);
+  this->Internal->Controller = vtkMultiProcessController::GetGlobalController();
 }
 
 vtkChiContinuousScatterplot::~vtkChiContinuousScatterplot() = default;
+
+//------------------------------------------------------------------------------
+namespace
+{
+// In place, some at a time: no second array as long as the plot.
+template <class Wire, class T>
+bool Reduce(vtkMultiProcessController* controller, T* values, size_t count, int operation)
+{
+  const size_t most = size_t{ 1 } << 16;
+  std::vector<Wire> own, all;
+  for (size_t begin = 0; begin < count; begin += most)
+  {
+    const size_t n = std::min(most, count - begin);
+    own.assign(values + begin, values + begin + n);
+    all.resize(n);
+    if (!controller->AllReduce(own.data(), all.data(), static_cast<vtkIdType>(n), operation))
+    {
+      return false;
+    }
+    std::copy(all.begin(), all.end(), values + begin);
+  }
+  return true;
+}
+
+int MaxOfAll(void* user, double* values, size_t count)
+{
+  return !Reduce<double>(
+    static_cast<vtkMultiProcessController*>(user), values, count, vtkCommunicator::MAX_OP);
+}
+
+int SumOfAll(void* user, int64_t* values, size_t count)
+{
+  return !Reduce<long long>(
+    static_cast<vtkMultiProcessController*>(user), values, count, vtkCommunicator::SUM_OP);
+}
+
+// The first of consecutive global ids of cells, or 0.
+vtkIdType GetFirstCell(vtkDataSet* input)
+{
+  vtkDataArray* const ids = input->GetCellData()->GetGlobalIds();
+  const vtkIdType count = ids ? ids->GetNumberOfTuples() : 0;
+  const double first = count > 0 ? ids->GetComponent(0, 0) : 0;
+  for (vtkIdType i = 1; i < count; ++i)
+  {
+    if (ids->GetComponent(i, 0) != first + static_cast<double>(i))
+    {
+      return 0;
+    }
+  }
+  return first >= 0 ? static_cast<vtkIdType>(first) : 0;
+}
+}
+
+void vtkChiContinuousScatterplot::SetController(vtkMultiProcessController* controller)
+{
+  if (this->Internal->Controller != controller)
+  {
+    this->Internal->Controller = controller;
+    this->Modified();
+  }
+}
+
+vtkMultiProcessController* vtkChiContinuousScatterplot::GetController() const
+{
+  return this->Internal->Controller;
+}
+
+int vtkChiContinuousScatterplot::GetNumberOfProcesses() const
+{
+  vtkMultiProcessController* const controller = this->Internal->Controller;
+  return controller ? controller->GetNumberOfProcesses() : 1;
+}
+
+// Whether all processes can go on: none may wait for one that gave up.
+bool vtkChiContinuousScatterplot::AllAgree(bool isGood)
+{
+  double isBad = isGood ? 0 : 1;
+  if (this->GetNumberOfProcesses() > 1 && MaxOfAll(this->Internal->Controller, &isBad, 1))
+  {
+    vtkErrorMacro("the processes cannot be reached");
+    return false;
+  }
+  if (isGood && isBad > 0)
+  {
+    vtkErrorMacro("another process cannot plot its piece");
+  }
+  return isBad <= 0;
+}
 
 //------------------------------------------------------------------------------
 // vtkPolyData has four lists of cells; their order is that of the cell data.
@@ -229,15 +324,32 @@ int vtkChiContinuousScatterplot::RequestInformation(
   return 1;
 }
 
-// All of the input, whatever part of the plot is asked for.
+// All of the input, whatever part of the plot is asked for; of several processes, each its piece.
 int vtkChiContinuousScatterplot::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector** inputs, vtkInformationVector*)
 {
   vtkInformation* const info = inputs[0]->GetInformationObject(0);
+  const int processes = this->GetNumberOfProcesses();
+  const int process = processes > 1 ? this->Internal->Controller->GetLocalProcessId() : 0;
+  if (processes > 1)
+  {
+    info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER(), process);
+    info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_PIECES(), processes);
+    info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
+  }
   if (info->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
   {
-    info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(),
-      info->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()), 6);
+    int extent[6];
+    info->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent);
+    if (processes > 1 && info->Has(vtkAlgorithm::CAN_PRODUCE_SUB_EXTENT()))
+    {
+      int whole[6];
+      std::copy(extent, extent + 6, whole);
+      vtkNew<vtkExtentTranslator> translator;
+      translator->PieceToExtentThreadSafe(
+        process, processes, 0, whole, extent, vtkExtentTranslator::BLOCK_MODE, 0);
+    }
+    info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(), extent, 6);
   }
   return 1;
 }
@@ -282,11 +394,40 @@ bool vtkChiContinuousScatterplot::FindField(vtkDataSet* input, int index, Field&
 }
 
 //------------------------------------------------------------------------------
-bool vtkChiContinuousScatterplot::Plot(vtkDataSet* input, const Field fields[2],
-  const Field& weight, vtkImageData* density, vtkImageData* colors)
+// Every array of the plot or of the matrix.
+bool vtkChiContinuousScatterplot::FindFields(
+  vtkDataSet* input, std::vector<Field>& fields, Field& weight)
 {
-  Internals& internal = *this->Internal;
-  const Field* const all[3] = { fields, fields + 1, &weight };
+  const bool isMatrix = !this->MatrixArrays.empty();
+  fields.resize(isMatrix ? this->MatrixArrays.size() : 2);
+  if (!this->FindField(input, 2, weight))
+  {
+    return false;
+  }
+  if (!isMatrix)
+  {
+    return this->FindField(input, 0, fields[0]) && this->FindField(input, 1, fields[1]);
+  }
+  for (size_t i = 0; i < fields.size(); ++i)
+  {
+    const char* const name = this->MatrixArrays[i].c_str();
+    fields[i].Array = input->GetPointData()->GetArray(name);
+    if (!fields[i].Array)
+    {
+      fields[i].Array = input->GetCellData()->GetArray(name);
+      fields[i].Association = vtkDataObject::FIELD_ASSOCIATION_CELLS;
+    }
+    if (!fields[i].Array)
+    {
+      vtkErrorMacro("there is no array '" << name << "' of points or cells for the matrix");
+      return false;
+    }
+  }
+  return true;
+}
+
+bool vtkChiContinuousScatterplot::Check(const Field fields[2], const Field& weight)
+{
   if (fields[0].Association != fields[1].Association)
   {
     vtkErrorMacro("of the two arrays, " << vtkChiDescribe(fields[0].Array) << " and "
@@ -295,14 +436,32 @@ bool vtkChiContinuousScatterplot::Plot(vtkDataSet* input, const Field fields[2],
                                            "vtkCellDataToPointData makes point data of cell data");
     return false;
   }
+  for (const Field* field : { fields, fields + 1, &weight })
+  {
+    if (field->Array && field->Component >= field->Array->GetNumberOfComponents())
+    {
+      vtkErrorMacro(<< vtkChiDescribe(field->Array) << " has no component " << field->Component);
+      return false;
+    }
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+// Without arrays the piece is empty.
+bool vtkChiContinuousScatterplot::Plot(vtkDataSet* input, const Field fields[2],
+  const Field& weight, vtkImageData* density, vtkImageData* colors)
+{
+  Internals& internal = *this->Internal;
+  const bool isEmpty = !fields[0].Array;
+  if (!this->AllAgree(isEmpty || this->Check(fields, weight)))
+  {
+    return false;
+  }
+  const Field* const all[3] = { fields, fields + 1, &weight };
   for (int i = 0; i < 3; ++i)
   {
     const Field& field = *all[i];
-    if (field.Array && field.Component >= field.Array->GetNumberOfComponents())
-    {
-      vtkErrorMacro(<< vtkChiDescribe(field.Array) << " has no component " << field.Component);
-      return false;
-    }
     const Internals::Key key{ field.Array, field.Array ? field.Array->GetMTime() : 0 };
     if (key != internal.Keys[i])
     {
@@ -312,19 +471,27 @@ bool vtkChiContinuousScatterplot::Plot(vtkDataSet* input, const Field fields[2],
   }
 
   // Borrow.
-  const vtkChiArrayView first(fields[0].Array), second(fields[1].Array);
-  std::unique_ptr<vtkChiArrayView> weights;
+  std::unique_ptr<vtkChiArrayView> views[2], weights;
+  chi_grid_view nothing = {};
+  nothing.struct_size = sizeof nothing;
+  nothing.kind = CHI_GRID_IMAGE; // without points
   chi_scatterplot_input in = {};
   in.struct_size = sizeof in;
-  in.grid = internal.Grid.GetGrid();
-  in.fields[0] = *first.Get();
-  in.fields[1] = *second.Get();
-  in.components[0] = fields[0].Component;
-  in.components[1] = fields[1].Component;
+  in.grid = isEmpty ? &nothing : internal.Grid.GetGrid();
+  for (int i = 0; i < 2; ++i)
+  {
+    in.fields[i] = chi_array_view{ nullptr, 0, 1, sizeof(double), CHI_F64 };
+    if (!isEmpty)
+    {
+      views[i].reset(new vtkChiArrayView(fields[i].Array));
+      in.fields[i] = *views[i]->Get();
+    }
+    in.components[i] = fields[i].Array ? fields[i].Component : 0;
+  }
   in.association = fields[0].Association == vtkDataObject::FIELD_ASSOCIATION_CELLS
     ? CHI_SCATTERPLOT_CELLS
     : CHI_SCATTERPLOT_POINTS;
-  if (weight.Array)
+  if (weight.Array && !isEmpty)
   {
     weights.reset(new vtkChiArrayView(weight.Array));
     in.weight = *weights->Get();
@@ -333,13 +500,14 @@ bool vtkChiContinuousScatterplot::Plot(vtkDataSet* input, const Field fields[2],
       ? CHI_SCATTERPLOT_CELLS
       : CHI_SCATTERPLOT_POINTS;
   }
-  if (vtkImageData* const image = vtkImageData::SafeDownCast(input))
+  vtkImageData* const image = vtkImageData::SafeDownCast(input);
+  vtkRectilinearGrid* const rectilinear = vtkRectilinearGrid::SafeDownCast(input);
+  for (int axis = 0; axis < 3 && (image || rectilinear); ++axis)
   {
-    for (int axis = 0; axis < 3; ++axis)
-    {
-      in.first_index[axis] = image->GetExtent()[2 * axis];
-    }
+    in.first_index[axis] = (image ? image->GetExtent() : rectilinear->GetExtent())[2 * axis];
   }
+  const bool isPiece = this->GetNumberOfProcesses() > 1;
+  in.first_cell = isPiece ? GetFirstCell(input) : 0;
   in.version = this->SkippingMask & SKIP_UNCHANGED ? internal.Version : 0;
   chi_scatterplot_params params = {};
   params.struct_size = sizeof params;
@@ -350,6 +518,12 @@ bool vtkChiContinuousScatterplot::Plot(vtkDataSet* input, const Field fields[2],
     static_cast<uint32_t>((this->SkippingMask & SKIP_EDGES ? 0 : CHI_SCATTERPLOT_NO_EDGES) |
       (this->SkippingMask & SKIP_ONE_BIN ? 0 : CHI_SCATTERPLOT_NO_ONE_BIN) |
       (this->SkippingMask & SKIP_PIECES ? 0 : CHI_SCATTERPLOT_NO_SKIP));
+  chi_scatterplot_reduction reduction = {};
+  reduction.struct_size = sizeof reduction;
+  reduction.user = internal.Controller;
+  reduction.max_f64 = MaxOfAll;
+  reduction.sum_i64 = SumOfAll;
+  params.reduction = isPiece ? &reduction : nullptr;
   for (int i = 0; i < 2; ++i)
   {
     params.bins[i] = static_cast<size_t>(this->Dimensions[i]);
@@ -412,7 +586,7 @@ bool vtkChiContinuousScatterplot::Plot(vtkDataSet* input, const Field fields[2],
   {
     vtkWarningMacro(<< r.unsupported_cells << " cells are of types that are not split");
   }
-  if (r.constant_fields)
+  if (r.constant_fields && !isEmpty)
   {
     vtkWarningMacro("constant: " << (r.constant_fields & 1 ? vtkChiDescribe(fields[0].Array) : "")
                                  << (r.constant_fields == 3 ? ", " : "")
@@ -480,46 +654,32 @@ int vtkChiContinuousScatterplot::RequestData(
     }
   }
   input = internal.Convert(input);
-  if (!internal.Grid.Collect(input))
+  const bool isThere = internal.Grid.Collect(input);
+  const bool isEmpty = !isThere && internal.Grid.IsEmpty();
+  if (!isThere && !isEmpty)
   {
-    if (!internal.Grid.IsEmpty())
-    {
-      vtkErrorMacro(<< internal.Grid.GetProblem());
-      return 0;
-    }
+    vtkErrorMacro(<< internal.Grid.GetProblem());
+  }
+  if (isEmpty && this->GetNumberOfProcesses() <= 1)
+  {
     return 1; // an empty piece is a normal event in a streamed pipeline
   }
-  Field fields[2], weight;
-  if (!this->FindField(input, 2, weight))
+  const bool isMatrix = !this->MatrixArrays.empty();
+  std::vector<Field> arrays(isMatrix ? this->MatrixArrays.size() : 2);
+  Field weight;
+  if (!this->AllAgree(isEmpty || (isThere && this->FindFields(input, arrays, weight))))
   {
     return 0;
   }
-  if (this->MatrixArrays.empty())
+  if (!isMatrix)
   {
-    return this->FindField(input, 0, fields[0]) && this->FindField(input, 1, fields[1]) &&
-      this->Plot(input, fields, weight, vtkImageData::SafeDownCast(output[0]),
-        vtkImageData::SafeDownCast(output[1]));
+    return this->Plot(input, arrays.data(), weight, vtkImageData::SafeDownCast(output[0]),
+      vtkImageData::SafeDownCast(output[1]));
   }
 
   // A matrix.
   vtkMultiBlockDataSet* const plots[2] = { vtkMultiBlockDataSet::SafeDownCast(output[0]),
     vtkMultiBlockDataSet::SafeDownCast(output[1]) };
-  std::vector<Field> arrays(this->MatrixArrays.size());
-  for (size_t i = 0; i < arrays.size(); ++i)
-  {
-    const char* const name = this->MatrixArrays[i].c_str();
-    arrays[i].Array = input->GetPointData()->GetArray(name);
-    if (!arrays[i].Array)
-    {
-      arrays[i].Array = input->GetCellData()->GetArray(name);
-      arrays[i].Association = vtkDataObject::FIELD_ASSOCIATION_CELLS;
-    }
-    if (!arrays[i].Array)
-    {
-      vtkErrorMacro("there is no array '" << name << "' of points or cells for the matrix");
-      return 0;
-    }
-  }
   unsigned int block = 0;
   for (size_t i = 0; i < arrays.size(); ++i)
   {

@@ -127,12 +127,18 @@ static chi_status agree(const chi_scatter_job* job, chi_status status, double* v
   {
     return status;
   }
-  memcpy(all + 1, values, count * sizeof *values);
+  for (size_t i = 0; i < count; ++i)
+  {
+    all[1 + i] = values[i];
+  }
   if (job->reduction.max_f64(job->reduction.user, all, count + 1))
   {
     return CHI_ERROR_CANCELLED;
   }
-  memcpy(values, all + 1, count * sizeof *values);
+  for (size_t i = 0; i < count; ++i)
+  {
+    values[i] = all[1 + i];
+  }
   return (chi_status)all[0];
 }
 
@@ -222,7 +228,8 @@ static void plan_pieces(chi_scatter_job* job)
     (kind == CHI_GRID_IMAGE || kind == CHI_GRID_RECTILINEAR) &&
     job->input.association == CHI_SCATTERPLOT_POINTS;
   job->cell_volume = kind == CHI_GRID_IMAGE ? fabs(determinant3(grid->view.index_to_world)) / 6 : 0;
-  job->piece_count = job->dimension > 0;
+  /* the dimension is that of all processes, and this one's part may be empty */
+  job->piece_count = job->dimension > 0 && grid->cells > 0;
   job->is_uniform = is_uniform(&grid->view);
   for (int a = 0; a < 3 && job->is_lattice; ++a)
   {
@@ -231,7 +238,7 @@ static void plan_pieces(chi_scatter_job* job)
     job->bricks[a] = chi_grid_chunks(job->brick_phase[a] + grid->dimensions[a], CHI_SCATTER_BRICK);
     job->piece_count *= job->bricks[a];
   }
-  if (!job->is_lattice && job->dimension > 0)
+  if (!job->is_lattice && job->piece_count > 0)
   {
     const int64_t rest = job->input.first_cell % CHI_SCATTER_RUN;
     job->run_phase = (size_t)(rest < 0 ? rest + CHI_SCATTER_RUN : rest);
