@@ -7,7 +7,12 @@ import sys
 import numpy as np
 import vtkmodules.all as vtk
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from chiaroscuro import vtkChiCombinedOcclusionVolumeMapper, vtkChiContinuousScatterplot, vtkChiFiberSurface
+from chiaroscuro import (
+    vtkChiCombinedOcclusionVolumeMapper,
+    vtkChiContinuousScatterplot,
+    vtkChiDerivedFields,
+    vtkChiFiberSurface,
+)
 
 # Between liquor (T1 50) and white matter (115) without grey matter (85) in between gradients are steep where the
 # intensity is that of grey matter: in the walls of the ventricles.
@@ -18,25 +23,23 @@ VENTRICLES = (60, 240, 90, 300, 100, 230)  # voxels: without the cortex, some of
 def read(data):
     """ch2better, smoothed by 0.75 mm, with the magnitude of its gradient a millimetre."""
     reader, single, smooth = vtk.vtkNIFTIImageReader(), vtk.vtkImageCast(), vtk.vtkImageGaussianSmooth()
-    gradient = vtk.vtkImageGradientMagnitude()
+    gradient = vtkChiDerivedFields()
     reader.SetFileName(f"{data}/ch2better.nii.gz")
     single.SetInputConnection(reader.GetOutputPort())
     single.SetOutputScalarTypeToFloat()
     smooth.SetInputConnection(single.GetOutputPort())
     smooth.SetStandardDeviation(1.5)  # voxels
-    gradient.SetInputConnection(smooth.GetOutputPort())
+    smooth.Update()
+    smooth.GetOutput().GetPointData().GetScalars().SetName("T1")
+    gradient.SetInputData(smooth.GetOutput())
+    gradient.ComputeGradientMagnitudeOn()
     gradient.Update()
-    image = smooth.GetOutput()
-    image.GetPointData().GetScalars().SetName("T1")
-    slope = gradient.GetOutput().GetPointData().GetScalars()
-    slope.SetName("Gradient")
-    image.GetPointData().AddArray(slope)
-    return image
+    return gradient.GetOutput()
 
 
 def fields(algorithm, image):
     algorithm.SetInputData(image)
-    for index, name in enumerate(("T1", "Gradient")):
+    for index, name in enumerate(("T1", "T1_GradientMagnitude")):
         algorithm.SetInputArrayToProcess(index, 0, 0, vtk.vtkDataObject.FIELD_ASSOCIATION_POINTS, name)
     return algorithm
 
