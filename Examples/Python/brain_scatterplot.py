@@ -99,7 +99,7 @@ def scene(image):
     fibers, mapper, walls = fields(vtkChiFiberSurface(), middle.GetOutput()), vtk.vtkPolyDataMapper(), vtk.vtkActor()
     fibers.SetPolygonData(table(BRUSH))
     fibers.ExtractComponentsOn()
-    fibers.SetMinimumArea(1500.0)  # square millimetres
+    fibers.SetMinimumArea(3000.0)  # square millimetres
     mapper.SetInputConnection(fibers.GetOutputPort())
     mapper.ScalarVisibilityOff()
     walls.SetMapper(mapper)
