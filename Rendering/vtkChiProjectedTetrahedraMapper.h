@@ -124,9 +124,11 @@ public:
   enum SkippingKinds
   {
     SKIP_TRANSPARENT = 2, // tetrahedra whose opacity is 0 over their range of scalars
+    SKIP_OUTSIDE = 4,     // tetrahedra outside of the window
     SKIP_CLIPPED = 8,     // tetrahedra beyond a clipping plane
     SKIP_HIDDEN = 16,     // tetrahedra behind the opaque geometry of all pixels of their tiles
     SKIP_SATURATED = 32,  // tetrahedra behind tiles that let no light through any more
+    SKIP_UNCOVERED = 64,  // tetrahedra that cover no pixel's centre
     SKIP_UNCHANGED = 128, // stages whose sources have not changed since the frame before
     SKIP_EVERY_KIND = 254
   };

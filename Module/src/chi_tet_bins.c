@@ -21,7 +21,7 @@ typedef struct bin_job
   const uint32_t* codes;
   chi_tet_window window;
   int32_t width, height, bits;
-  int outside;
+  int32_t skip;        /* CHI_TET_SKIP_... */
   size_t chunk, tiles; /* tetrahedra, whole words of bits */
   size_t first_tile;   /* of those that are sorted at a time */
   int64_t (*tally)[4]; /* [chunks] outside, uncovered, clipped, hidden */
@@ -58,6 +58,31 @@ static int is_hidden(const bin_job* it, const uint32_t v[4], uint32_t range)
   return 1;
 }
 
+/* One that has no pixels, for all that is known, among those of the tile next to its first vertex:
+ * where it is not to be skipped. CHI_TET_OUTSIDE if its planes would not be finite. */
+static uint32_t range_all_the_same(const bin_job* it, const uint32_t v[4])
+{
+  const chi_tet_point* const points = (const chi_tet_point*)it->eye->points.data;
+  for (int i = 0; i < 4; ++i)
+  {
+    const chi_tet_point* const p = points + v[i];
+    if (!(fabs(p->x) < CHI_TET_FAR && fabs(p->y) < CHI_TET_FAR && fabs(p->z) < CHI_TET_FAR))
+    {
+      return CHI_TET_OUTSIDE;
+    }
+  }
+  const float* const at = ((const float(*)[2])it->eye->screen.data)[v[0]];
+  uint32_t range = 0;
+  for (int k = 0; k < 2; ++k)
+  {
+    const float last = (float)((k ? it->height : it->width) - 1);
+    const float place = at[k] > 0 ? (at[k] < last ? at[k] : last) : 0; /* 0 too if not finite */
+    const uint32_t tile = (uint32_t)place >> CHI_TET_TILE_SHIFT;
+    range |= tile << (8 * k) | tile << (16 + 8 * k);
+  }
+  return range;
+}
+
 static void find_ranges(void* data, size_t begin, size_t end)
 {
   const bin_job* const it = (const bin_job*)data;
@@ -76,18 +101,26 @@ static void find_ranges(void* data, size_t begin, size_t end)
     chi_tet_get_kernels()->ranges(&it->window, first, past, ranges);
     for (size_t t = first; t < past; ++t)
     {
-      const uint32_t r = ranges[t];
+      uint32_t r = ranges[t];
       if (!(visible[t / 32] >> t % 32 & 1))
       {
         ranges[t] = CHI_TET_OUTSIDE;
         continue;
       }
+      const uint32_t* const v = (const uint32_t*)it->mesh->vertices.data + 4 * t;
       if (r == CHI_TET_OUTSIDE || r == CHI_TET_UNCOVERED)
       {
-        ++tally[r == CHI_TET_OUTSIDE ? OUTSIDE : UNCOVERED];
-        continue;
+        const int is_outside = r == CHI_TET_OUTSIDE;
+        const int skips = it->skip & (is_outside ? CHI_TET_SKIP_OUTSIDE : CHI_TET_SKIP_UNCOVERED);
+        r = skips ? r : range_all_the_same(it, v);
+        if (skips || r == CHI_TET_OUTSIDE)
+        {
+          ++tally[is_outside ? OUTSIDE : UNCOVERED];
+          ranges[t] = r;
+          continue;
+        }
+        ranges[t] = r;
       }
-      const uint32_t* const v = (const uint32_t*)it->mesh->vertices.data + 4 * t;
       if (it->codes && it->codes[v[0]] & it->codes[v[1]] & it->codes[v[2]] & it->codes[v[3]])
       {
         ++tally[CLIPPED];
@@ -322,6 +355,7 @@ chi_status chi_tet_bins_build(const chi_exec* exec, chi_tet_bins* bins, const ch
     .width = width,
     .height = height,
     .bits = bits,
+    .skip = skip,
     .chunk = (n / 32 + CHI_TET_CHUNKS) / CHI_TET_CHUNKS * 32,
     .tiles = tiles,
     .tally = tally };

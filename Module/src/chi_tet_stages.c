@@ -258,7 +258,8 @@ static chi_status bin(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* f
   chi_tet_bin_key key;
   memset(&key, 0, sizeof key);
   key.visible = tet->values.version;
-  key.skip = f->params->skip & (CHI_TET_SKIP_CLIPPED | CHI_TET_SKIP_HIDDEN);
+  key.skip = f->params->skip &
+    (CHI_TET_SKIP_OUTSIDE | CHI_TET_SKIP_CLIPPED | CHI_TET_SKIP_HIDDEN | CHI_TET_SKIP_UNCOVERED);
   key.splatting = f->params->subpixel_splatting;
   if (f->surface && key.skip & CHI_TET_SKIP_HIDDEN)
   {
@@ -286,8 +287,11 @@ static chi_status bin(const chi_exec* exec, chi_tet* tet, const chi_tet_frame* f
   }
   tet->stats.outside = tet->bins.outside;
   tet->stats.uncovered = tet->bins.uncovered;
+  /* where they are not skipped, what is too far off is left out all the same */
+  tet->stats.skipped[2] = f->params->skip & CHI_TET_SKIP_OUTSIDE ? tet->bins.outside : 0;
   tet->stats.skipped[3] = tet->bins.clipped;
   tet->stats.skipped[4] = tet->bins.hidden;
+  tet->stats.skipped[6] = tet->bins.uncovered;
   return CHI_OK;
 }
 

@@ -35,6 +35,8 @@ typedef struct kind
 
 static const kind kinds[] = { { "any", "nothing-to-skip", ANY, 1 },
   { "transparent", "half-transparent", CHI_TET_SKIP_TRANSPARENT, 1 },
+  { "outside", "close", CHI_TET_SKIP_OUTSIDE, 2 },
+  { "uncovered", "far-away", CHI_TET_SKIP_UNCOVERED, 6 },
   { "clipped", "half-clipped", CHI_TET_SKIP_CLIPPED, 3 },
   { "hidden", "surface-in-the-middle", CHI_TET_SKIP_HIDDEN, 4 },
   { "saturated", "dense", CHI_TET_SKIP_SATURATED, 5 },
@@ -43,11 +45,21 @@ static const kind kinds[] = { { "any", "nothing-to-skip", ANY, 1 },
 /* Clip planes: the half z > 0 goes. The eye is on its side. */
 static const double plane[4] = { 0, 0, -1, 0 };
 
+/* Half of the window's height at distance 1. */
+static double half_of(const kind* k)
+{
+  const double zoom = k->flag == CHI_TET_SKIP_OUTSIDE ? 0.25
+    : k->flag == CHI_TET_SKIP_UNCOVERED               ? 6
+                                                      : 1;
+  return zoom * tan(0.26179938779914943);
+}
+
 static void make(scene* s, const tet_mesh* mesh, const kind* k, float* depth)
 {
   static chi_surface_view surface;
   const int all = strcmp(k->name, "all") == 0;
   make_scene(s, mesh, TET_VIEW_SIGNAL, 0, PIXELS);
+  s->camera = tet_look(6.6921, 30, 25, 0, PIXELS, half_of(k));
   tet_transfer_signal(&s->transfer, 1);
   s->params.pre_integration = CHI_PREINTEGRATION_PARTIAL;
   if (all || k->flag == CHI_TET_SKIP_TRANSPARENT)
@@ -121,7 +133,7 @@ static void measure(const chi_exec* exec, const tet_mesh* mesh, const kind* k, f
   {
     if (!still)
     {
-      s.camera = tet_look(6.6921, 31 + frame, 25, 0, PIXELS, tan(0.26179938779914943));
+      s.camera = tet_look(6.6921, 31 + frame, 25, 0, PIXELS, half_of(k));
     }
     with_ns = fmin(with_ns, render(exec, tet, &s, CHI_TET_SKIP_EVERY_KIND));
     without_ns = fmin(without_ns, render(exec, other, &s, without));

@@ -522,8 +522,47 @@ static void opaque_tiles_end(void)
   tet_mesh_free(mesh);
 }
 
+/* Those outside of the window and those between pixels' centres have no fragments: drawn all the
+ * same, they change no bit. Half of the cube is out of sight, and 48 pixels are fewer than cells.
+ */
+static void what_has_no_pixel_is_skipped(void)
+{
+  tet_mesh* const mesh = tet_mesh_cubes(24, TET_MARSCHNER_LOBB);
+  static const struct
+  {
+    int32_t flag;
+    int counter, view;
+  } kinds[3] = { { CHI_TET_SKIP_OUTSIDE, 2, TET_VIEW_INSIDE },
+    { CHI_TET_SKIP_OUTSIDE, 2, TET_VIEW_CLOSE }, { CHI_TET_SKIP_UNCOVERED, 6, TET_VIEW_OBLIQUE } };
+  for (int k = 0; k < 3; ++k)
+  {
+    scene s;
+    make_scene(&s, mesh, kinds[k].view, 0, 48);
+    chi_tet *tet, *whole;
+    CHECK(chi_tet_create(NULL, &tet) == CHI_OK && chi_tet_create(NULL, &whole) == CHI_OK);
+    CHECK(chi_tet_render(NULL, tet, &s.frame) == CHI_OK);
+    s.params.skip = CHI_TET_SKIP_EVERY_KIND & ~kinds[k].flag;
+    CHECK(chi_tet_render(NULL, whole, &s.frame) == CHI_OK);
+    chi_tet_stats a, b;
+    chi_tet_get_stats(tet, &a);
+    chi_tet_get_stats(whole, &b);
+    CHECK(a.skipped[kinds[k].counter] > 1000 && b.skipped[kinds[k].counter] == 0);
+    CHECK(a.skipped[2] == a.outside && a.skipped[6] == a.uncovered);
+    CHECK(a.fragments <= b.fragments); /* the rest lies in the tile, beyond the picture */
+    CHECK(b.drawn + b.skipped[5] == a.drawn + a.skipped[5] + a.skipped[kinds[k].counter]);
+    chi_tet_image x, y;
+    chi_tet_get_image(tet, &x);
+    chi_tet_get_image(whole, &y);
+    CHECK(memcmp(x.rgba, y.rgba, sizeof(float) * 4 * 48 * 48) == 0);
+    chi_tet_destroy(NULL, tet);
+    chi_tet_destroy(NULL, whole);
+  }
+  tet_mesh_free(mesh);
+}
+
 int main(void)
 {
+  what_has_no_pixel_is_skipped();
   cuts_hold_in_cells_around_the_eye();
   opaque_tiles_end();
   fine_tables_give_the_same_picture();

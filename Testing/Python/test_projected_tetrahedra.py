@@ -292,6 +292,8 @@ class State(InEachEngine):
             self.assertGreater(count, 0, kind)
             self.assertEqual(scene.mapper.GetNumberOfSkipped(kind), 0)
         self.assertLess(np.abs(all_kinds - none).max(), 1.0 / 255.0)
+        for kind in (mapper.SKIP_OUTSIDE, mapper.SKIP_UNCOVERED):
+            self.assertEqual(scene.mapper.GetNumberOfSkipped(kind), 0)
         for kind in kinds:
             scene.mapper.SkippingOn()
             scene.mapper.SetSkippingMask(kind)

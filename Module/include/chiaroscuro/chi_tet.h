@@ -92,9 +92,11 @@ enum
   CHI_TET_SKIP_NOTHING = 0,
   CHI_TET_SKIP_ALL = 1,
   CHI_TET_SKIP_TRANSPARENT = 2, /**< tetrahedra whose opacity is 0 over their range of scalars */
+  CHI_TET_SKIP_OUTSIDE = 4,     /**< tetrahedra outside of the window */
   CHI_TET_SKIP_CLIPPED = 8,     /**< tetrahedra beyond one of the clip planes */
   CHI_TET_SKIP_HIDDEN = 16,     /**< tetrahedra behind the surface of all pixels of their tiles */
   CHI_TET_SKIP_SATURATED = 32,  /**< tetrahedra behind a tile that lets no light through any more */
+  CHI_TET_SKIP_UNCOVERED = 64,  /**< tetrahedra that cover no pixel's centre */
   CHI_TET_SKIP_UNCHANGED = 128, /**< stages whose sources have not changed */
   CHI_TET_SKIP_EVERY_KIND = 254, /**< all of this version, to take single ones away from */
   CHI_TET_SKIP_KINDS = 16        /**< length of chi_tet_stats.skipped */
