@@ -8,6 +8,7 @@
 #include "vtkChiCompositor.h"
 
 #include "vtkChiOcclusionCompositeFS.h"
+#include "vtkChiOcclusionCompositePlainFS.h"
 
 #include "vtkOpenGLQuadHelper.h"
 #include "vtkOpenGLRenderWindow.h"
@@ -18,6 +19,8 @@
 #include "vtkPropCollection.h"
 #include "vtkRenderer.h"
 #include "vtkShaderProgram.h"
+
+#include <algorithm>
 
 namespace
 {
@@ -50,6 +53,49 @@ bool mayRewriteSurface(vtkRenderer* renderer, bool hidden)
 }
 
 //------------------------------------------------------------------------------
+// The rectangle of a picture outside of which it is all zeros: first column and row, past the last.
+void findCovered(int width, int height, const float* rgba, int box[4])
+{
+  const std::size_t row = 4 * static_cast<std::size_t>(width);
+  const auto isEmpty = [](const float* from, std::size_t count)
+  { return std::all_of(from, from + count, [](float value) { return value == 0.0f; }); };
+  int low = 0;
+  int high = height;
+  while (low < high && isEmpty(rgba + low * row, row))
+  {
+    ++low;
+  }
+  while (high > low && isEmpty(rgba + (high - 1) * row, row))
+  {
+    --high;
+  }
+  int left = low < high ? width : 0;
+  int right = 0;
+  for (int y = low; y < high; ++y)
+  {
+    const float* line = rgba + y * row;
+    for (int x = 0; x < left; ++x) // stops at what an earlier row has
+    {
+      if (!isEmpty(line + 4 * x, 4))
+      {
+        left = x;
+      }
+    }
+    for (int x = width; x > right; --x)
+    {
+      if (!isEmpty(line + 4 * (x - 1), 4))
+      {
+        right = x;
+      }
+    }
+  }
+  box[0] = left;
+  box[1] = low;
+  box[2] = right;
+  box[3] = high;
+}
+
+//------------------------------------------------------------------------------
 void uploadPlane(vtkTextureObject* texture, vtkOpenGLRenderWindow* window, int width, int height,
   int components, const float* data)
 {
@@ -69,7 +115,15 @@ vtkChiCompositor::vtkChiCompositor() = default;
 //------------------------------------------------------------------------------
 vtkChiCompositor::~vtkChiCompositor()
 {
+  this->DropQuads();
+}
+
+//------------------------------------------------------------------------------
+void vtkChiCompositor::DropQuads()
+{
   delete this->Quad;
+  delete this->Plain;
+  this->Quad = this->Plain = nullptr;
 }
 
 //------------------------------------------------------------------------------
@@ -98,7 +152,7 @@ bool vtkChiCompositor::Draw(vtkRenderer* renderer, const Picture& picture)
     state->vtkglViewport(origin[0], origin[1], picture.Width, picture.Height);
     state->vtkglScissor(origin[0], origin[1], picture.Width, picture.Height);
   }
-  const bool good = this->PrepareQuad(window);
+  const bool good = this->PrepareQuad(window, picture);
   if (good)
   {
     this->DrawQuad(renderer, picture);
@@ -123,6 +177,7 @@ void vtkChiCompositor::Upload(vtkOpenGLRenderWindow* window, const Picture& pict
     return;
   }
   uploadPlane(this->Layer, window, picture.Width, picture.Height, 4, picture.Rgba);
+  findCovered(picture.Width, picture.Height, picture.Rgba, this->Covered);
   const bool colored = picture.VisibilityRgb != nullptr;
   if (colored || picture.Visibility)
   {
@@ -133,23 +188,62 @@ void vtkChiCompositor::Upload(vtkOpenGLRenderWindow* window, const Picture& pict
 }
 
 //------------------------------------------------------------------------------
-bool vtkChiCompositor::PrepareQuad(vtkOpenGLRenderWindow* window)
+bool vtkChiCompositor::PrepareQuad(vtkOpenGLRenderWindow* window, const Picture& picture)
 {
-  if (this->Quad && this->QuadWindow.GetPointer() != window)
+  if (this->QuadWindow.GetPointer() != window)
   {
-    delete this->Quad;
-    this->Quad = nullptr;
+    this->DropQuads();
+    this->QuadWindow = window;
   }
-  if (this->Quad)
+  const bool plain = !picture.Surface && !picture.Dither;
+  vtkOpenGLQuadHelper*& quad = plain ? this->Plain : this->Quad;
+  if (quad)
   {
-    window->GetShaderCache()->ReadyShaderProgram(this->Quad->Program);
+    window->GetShaderCache()->ReadyShaderProgram(quad->Program);
   }
   else
   {
-    this->QuadWindow = window;
-    this->Quad = new vtkOpenGLQuadHelper(window, nullptr, vtkChiOcclusionCompositeFS, "");
+    quad = new vtkOpenGLQuadHelper(
+      window, nullptr, plain ? vtkChiOcclusionCompositePlainFS : vtkChiOcclusionCompositeFS, "");
   }
-  return this->Quad->Program != nullptr;
+  return quad->Program != nullptr;
+}
+
+//------------------------------------------------------------------------------
+// No geometry to darken: where the picture is zero, nothing changes.
+void vtkChiCompositor::DrawPlain(vtkOpenGLRenderWindow* window, const Picture& picture)
+{
+  vtkTextureObject* layer = picture.RgbaTexture ? picture.RgbaTexture : this->Layer.Get();
+  vtkOpenGLState* state = window->GetState();
+  vtkOpenGLState::ScopedglScissor scissor(state);
+  vtkOpenGLState::ScopedglEnableDisable scissorTest(state, GL_SCISSOR_TEST);
+  if (!picture.RgbaTexture)
+  {
+    int viewport[4];
+    int box[4] = { 0, 0, 1 << 30, 1 << 30 };
+    glGetIntegerv(GL_VIEWPORT, viewport);
+    if (glIsEnabled(GL_SCISSOR_TEST))
+    {
+      glGetIntegerv(GL_SCISSOR_BOX, box);
+    }
+    const bool pixels = viewport[2] == picture.Width && viewport[3] == picture.Height;
+    int low[2];
+    int size[2];
+    for (int axis = 0; axis < 2; ++axis)
+    {
+      const int first = pixels ? viewport[axis] + this->Covered[axis] : viewport[axis];
+      const int past =
+        pixels ? viewport[axis] + this->Covered[2 + axis] : viewport[axis] + viewport[2 + axis];
+      low[axis] = std::max(first, box[axis]);
+      size[axis] = std::max(std::min(past, box[axis] + box[2 + axis]) - low[axis], 0);
+    }
+    state->vtkglEnable(GL_SCISSOR_TEST);
+    state->vtkglScissor(low[0], low[1], size[0], size[1]);
+  }
+  layer->Activate();
+  this->Plain->Program->SetUniformi("layerTexture", layer->GetTextureUnit());
+  this->Plain->Render();
+  layer->Deactivate();
 }
 
 //------------------------------------------------------------------------------
@@ -172,6 +266,13 @@ void vtkChiCompositor::DrawQuad(vtkRenderer* renderer, const Picture& picture)
   state->vtkglDepthMask(GL_FALSE);
   state->vtkglDisable(GL_CULL_FACE);
 
+  if (!picture.Surface && !picture.Dither)
+  {
+    this->DrawPlain(vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow()), picture);
+    state->vtkglBlendEquationSeparate(
+      static_cast<unsigned int>(equation[0]), static_cast<unsigned int>(equation[1]));
+    return;
+  }
   // a texture that is missing is declared in the shader, but not read
   const bool uploaded = !picture.RgbaTexture;
   vtkTextureObject* layer = uploaded ? this->Layer.Get() : picture.RgbaTexture;
@@ -262,8 +363,7 @@ void vtkChiCompositor::Smooth(vtkRenderer* renderer, const Picture& picture)
 //------------------------------------------------------------------------------
 void vtkChiCompositor::ReleaseGraphicsResources(vtkWindow* window)
 {
-  delete this->Quad;
-  this->Quad = nullptr;
+  this->DropQuads();
   this->Uploaded = false;
   if (window)
   {

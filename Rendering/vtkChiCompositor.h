@@ -49,16 +49,21 @@ public:
 
 private:
   void Upload(vtkOpenGLRenderWindow* window, const Picture& picture);
-  bool PrepareQuad(vtkOpenGLRenderWindow* window);
+  bool PrepareQuad(vtkOpenGLRenderWindow* window, const Picture& picture);
+  void DropQuads();
+  void DrawPlain(vtkOpenGLRenderWindow* window, const Picture& picture);
   void Smooth(vtkRenderer* renderer, const Picture& picture);
   void DrawQuad(vtkRenderer* renderer, const Picture& picture);
 
   vtkOpenGLQuadHelper* Quad = nullptr;
+  vtkOpenGLQuadHelper* Plain = nullptr; // of pictures without geometry
   vtkWeakPointer<vtkRenderWindow> QuadWindow;
   vtkNew<vtkOpenGLFXAAFilter> Fxaa;
   vtkNew<vtkTextureObject> Layer;
   vtkNew<vtkTextureObject> Visibility;
   bool Uploaded = false; // the textures hold the picture of the last call
+  int Covered[4] = { 0, 0, 0,
+    0 }; // its first column and row, those after its last, within the picture
 };
 
 #endif
