@@ -21,6 +21,8 @@
 #include "vtkShaderProgram.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <cstring>
 
 namespace
 {
@@ -57,8 +59,18 @@ bool mayRewriteSurface(vtkRenderer* renderer, bool hidden)
 void findCovered(int width, int height, const float* rgba, int box[4])
 {
   const std::size_t row = 4 * static_cast<std::size_t>(width);
+  // bits without a way out of the loop, so that it becomes vectors; -0 counts as something
   const auto isEmpty = [](const float* from, std::size_t count)
-  { return std::all_of(from, from + count, [](float value) { return value == 0.0f; }); };
+  {
+    std::uint32_t any = 0;
+    for (std::size_t i = 0; i < count; ++i)
+    {
+      std::uint32_t bits;
+      std::memcpy(&bits, from + i, sizeof bits);
+      any |= bits;
+    }
+    return any == 0;
+  };
   int low = 0;
   int high = height;
   while (low < high && isEmpty(rgba + low * row, row))
