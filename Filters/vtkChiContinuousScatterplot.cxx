@@ -192,6 +192,20 @@ vtkDataSet* vtkChiContinuousScatterplot::Internals::Convert(vtkDataSet* input)
 }
 
 //------------------------------------------------------------------------------
+void vtkChiContinuousScatterplot::SetTrilinearTolerance(double tolerance)
+{
+  if (!(tolerance >= 0) || !(tolerance <= VTK_DOUBLE_MAX))
+  {
+    vtkErrorMacro("SetTrilinearTolerance(" << tolerance << "): must be 0 or more, and finite");
+  }
+  else if (this->TrilinearTolerance != tolerance)
+  {
+    this->TrilinearTolerance = tolerance;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
 void vtkChiContinuousScatterplot::SetComponent(int array, int component)
 {
   if (array < 0 || array > 2 || component < -1)
@@ -514,6 +528,9 @@ bool vtkChiContinuousScatterplot::Plot(vtkDataSet* input, const Field fields[2],
   params.automatic_range = this->AutomaticRange || !this->MatrixArrays.empty();
   params.method =
     this->Method == METHOD_PUBLISHED ? CHI_SCATTERPLOT_PUBLISHED : CHI_SCATTERPLOT_EXACT;
+  params.trilinear_tolerance = this->TrilinearTolerance;
+  params.trilinear_levels = this->TrilinearLevels;
+  params.splat_size = this->SplatSize;
   params.switches =
     static_cast<uint32_t>((this->SkippingMask & SKIP_EDGES ? 0 : CHI_SCATTERPLOT_NO_EDGES) |
       (this->SkippingMask & SKIP_ONE_BIN ? 0 : CHI_SCATTERPLOT_NO_ONE_BIN) |
@@ -577,6 +594,10 @@ bool vtkChiContinuousScatterplot::Plot(vtkDataSet* input, const Field fields[2],
   this->NumberOfHiddenCells = static_cast<vtkIdType>(r.ghost_cells + r.blanked_cells);
   this->NumberOfLowerDimensionalCells = static_cast<vtkIdType>(r.lower_dimensional_cells);
   this->NumberOfSimplices = static_cast<vtkIdType>(r.simplices);
+  this->NumberOfSubdividedCells = static_cast<vtkIdType>(r.subdivided_cells);
+  this->NumberOfCappedCells = static_cast<vtkIdType>(r.capped_cells);
+  this->NumberOfSplats = static_cast<vtkIdType>(r.splats);
+  this->SplatErrorBound = r.splat_bound;
   if (r.skipped_cells > 0)
   {
     vtkWarningMacro(<< r.skipped_cells
@@ -626,6 +647,8 @@ int vtkChiContinuousScatterplot::RequestData(
   this->TotalMass = this->MassOutOfRange = this->SingularMass = 0;
   this->NumberOfSkippedCells = this->NumberOfHiddenCells = 0;
   this->NumberOfLowerDimensionalCells = this->NumberOfSimplices = 0;
+  this->NumberOfSubdividedCells = this->NumberOfCappedCells = this->NumberOfSplats = 0;
+  this->SplatErrorBound = 0;
   if (!input)
   {
     vtkErrorMacro("the input is a " << (given ? given->GetClassName() : "null")
@@ -716,6 +739,9 @@ void vtkChiContinuousScatterplot::PrintSelf(ostream& os, vtkIndent indent)
   }
   os << indent << "AutomaticRange: " << this->AutomaticRange << "\n";
   os << indent << "Method: " << this->Method << "\n";
+  os << indent << "TrilinearTolerance: " << this->TrilinearTolerance << "\n";
+  os << indent << "TrilinearLevels: " << this->TrilinearLevels << "\n";
+  os << indent << "SplatSize: " << this->SplatSize << "\n";
   os << indent << "NumberOfMatrixArrays: " << this->MatrixArrays.size() << "\n";
   os << indent << "LogarithmicDisplay: " << this->LogarithmicDisplay << "\n";
   os << indent << "DisplayDecades: " << this->DisplayDecades << "\n";
@@ -727,4 +753,8 @@ void vtkChiContinuousScatterplot::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "NumberOfHiddenCells: " << this->NumberOfHiddenCells << "\n";
   os << indent << "NumberOfLowerDimensionalCells: " << this->NumberOfLowerDimensionalCells << "\n";
   os << indent << "NumberOfSimplices: " << this->NumberOfSimplices << "\n";
+  os << indent << "NumberOfSubdividedCells: " << this->NumberOfSubdividedCells << "\n";
+  os << indent << "NumberOfCappedCells: " << this->NumberOfCappedCells << "\n";
+  os << indent << "NumberOfSplats: " << this->NumberOfSplats << "\n";
+  os << indent << "SplatErrorBound: " << this->SplatErrorBound << "\n";
 }

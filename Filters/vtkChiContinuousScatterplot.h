@@ -102,6 +102,31 @@ public:
 
   ///@{
   /**
+   * How far mass of image and rectilinear cells, hexahedra and voxels may lie, on average, from
+   * where the trilinear interpolant of point arrays has it, as a part of each array's range in the
+   * plot: cells are subdivided into 8, 64, ... equal parts until that is so, at most
+   * TrilinearLevels times. Hexahedra then have the volume of their trilinear map. 0: cells are
+   * split into tetrahedra as they are. Default 0, and 4 levels.
+   */
+  void SetTrilinearTolerance(double tolerance);
+  vtkGetMacro(TrilinearTolerance, double);
+  vtkSetClampMacro(TrilinearLevels, int, 1, 6);
+  vtkGetMacro(TrilinearLevels, int);
+  ///@}
+
+  ///@{
+  /**
+   * Cells of images and rectilinear grids, and tetrahedra of other grids, whose values span at most
+   * this part of a bin along both arrays and that a line between two bins crosses are deposited by
+   * the mean and the extent of their values, an approximation with a bound that GetSplatErrorBound
+   * gives. 0: all is exact. Default 0.
+   */
+  vtkSetClampMacro(SplatSize, double, 0, 1);
+  vtkGetMacro(SplatSize, double);
+  ///@}
+
+  ///@{
+  /**
    * Names of arrays of points or cells (points first), of which every pair is plotted; the two
    * arrays to process are not used then. Null or none: no matrix. Ranges are automatic.
    */
@@ -158,6 +183,24 @@ public:
 
   ///@{
   /**
+   * Cells and tetrahedra that the last update deposited by their mean, and what the masses of all
+   * bins together are off by these at most.
+   */
+  vtkGetMacro(NumberOfSplats, vtkIdType);
+  vtkGetMacro(SplatErrorBound, double);
+  ///@}
+
+  ///@{
+  /**
+   * Trilinear cells that the last update subdivided, and of them those that would have taken more
+   * than TrilinearLevels.
+   */
+  vtkGetMacro(NumberOfSubdividedCells, vtkIdType);
+  vtkGetMacro(NumberOfCappedCells, vtkIdType);
+  ///@}
+
+  ///@{
+  /**
    * The processes that hold the pieces. Null: this one holds all. Settings must be the same in all.
    * Ranges and masses are of the whole, numbers of cells of the own piece. The plot has the bits
    * that one process would give it where pieces of images and rectilinear grids end at cells
@@ -204,6 +247,9 @@ private:
   double Range[2][2] = { { 0, 1 }, { 0, 1 } };
   bool AutomaticRange = true;
   int Method = METHOD_EXACT;
+  double TrilinearTolerance = 0;
+  int TrilinearLevels = 4;
+  double SplatSize = 0;
   std::vector<std::string> MatrixArrays;
   bool LogarithmicDisplay = true;
   double DisplayDecades = 4;
@@ -216,6 +262,10 @@ private:
   vtkIdType NumberOfHiddenCells = 0;
   vtkIdType NumberOfLowerDimensionalCells = 0;
   vtkIdType NumberOfSimplices = 0;
+  vtkIdType NumberOfSubdividedCells = 0;
+  vtkIdType NumberOfCappedCells = 0;
+  vtkIdType NumberOfSplats = 0;
+  double SplatErrorBound = 0;
 
   struct Internals;
   std::unique_ptr<Internals> Internal;

@@ -17,7 +17,9 @@ enum
   MOST_BINS_TOGETHER = 1 << 28,
   TILE_BUDGET = 32768, /* doubles: a quarter of a megabyte stays in the second cache */
   DEEP = 12,           /* bits that a window may fall short of what touches it */
-  MASS_BITS = 61       /* of all mass together: sums of integers do not overflow */
+  MOST_LEVELS = 6,     /* of subdivision */
+  DEFAULT_LEVELS = 4,
+  MASS_BITS = 61 /* of all mass together: sums of integers do not overflow */
 };
 
 /* ---- the handle */
@@ -99,6 +101,9 @@ static chi_status check_params(const chi_scatter_job* job)
     CHI_SCATTERPLOT_NO_SKIP | CHI_SCATTERPLOT_NO_SORT | CHI_SCATTERPLOT_ALWAYS_SORT;
   if (p->bins[0] == 0 || p->bins[1] == 0 || p->method < CHI_SCATTERPLOT_EXACT ||
     p->method > CHI_SCATTERPLOT_PUBLISHED || p->switches & ~known ||
+    !(p->splat_size >= 0 && p->splat_size <= 1) || !(p->trilinear_tolerance >= 0) ||
+    !isfinite(p->trilinear_tolerance) || p->trilinear_levels < 0 ||
+    p->trilinear_levels > MOST_LEVELS ||
     (p->reduction && (!job->reduction.max_f64 || !job->reduction.sum_i64)))
   {
     return CHI_ERROR_INVALID_ARGUMENT;
@@ -274,7 +279,10 @@ static void begin_stage(chi_scatter_job* job)
   {
     chi_scatter_worker* const w = job->keep->workers[i];
     w->is_busy = w->is_equipped = 0;
-    w->mass = w->out = w->singular = 0;
+    w->mass = w->out = w->singular = w->bound = 0;
+    w->splats = 0;
+    w->sink_error = 0;
+    w->subdivided = w->capped = w->folded = w->more_simplices = 0;
     w->edges = w->one_bin = w->sections = w->missing_pieces = w->one_bin_pieces = 0;
     w->sink.deposited = 0;
     w->sink.inside = w->sink.outside = w->sink.singular = 0;
@@ -290,13 +298,14 @@ static chi_status run_stage(chi_scatter_job* job, chi_range_fn body)
 }
 
 /* What the pieces' contents depend on beside grid and values. */
-static void describe_pieces(const chi_scatter_job* job, int32_t of[12])
+static void describe_pieces(const chi_scatter_job* job, int32_t of[13])
 {
   const chi_scatterplot_input* const in = &job->input;
-  const int32_t all[12] = { in->components[0], in->components[1], in->association,
+  const int32_t all[13] = { in->components[0], in->components[1], in->association,
     in->weight_association, in->weight.data ? in->weight_component : -2, job->dimension,
     (int32_t)job->brick_phase[0], (int32_t)job->brick_phase[1], (int32_t)job->brick_phase[2],
-    (int32_t)job->run_phase, job->order != NULL, job->is_lattice };
+    (int32_t)job->run_phase, job->order != NULL, job->is_lattice,
+    job->params.trilinear_tolerance > 0 };
   memcpy(of, all, sizeof all);
 }
 
@@ -305,7 +314,7 @@ static chi_status measure(chi_scatter_job* job, int* is_kept)
   chi_scatterplot* const keep = job->keep;
   const chi_exec* const exec = keep->has_exec ? &keep->exec : NULL;
   const uint64_t grid_version = job->grid.view.version, version = job->input.version;
-  int32_t of[12];
+  int32_t of[13];
   plan_pieces(job);
   chi_status status = job->dimension > 0 ? chi_scatter_sort(job) : CHI_OK;
   if (status == CHI_OK && job->dimension == 3 && job->grid.view.kind == CHI_GRID_UNSTRUCTURED &&
@@ -535,7 +544,7 @@ typedef struct masses
 {
   int64_t* bins;
   int64_t mass, deposited; /* within the plot: as summed, and as it went to bins */
-  double total, out, singular;
+  double total, out, singular, bound;
 } masses;
 
 typedef struct sum_job
@@ -592,7 +601,7 @@ static chi_status gather(chi_scatter_job* job, masses* m)
 {
   chi_scatterplot* const keep = job->keep;
   const size_t count = job->params.bins[0] * job->params.bins[1];
-  int64_t sums[5] = { 0 };
+  int64_t sums[6] = { 0 };
   chi_scatter_worker* const w = chi_scatter_acquire(job); /* one has to hold them */
   if (w)
   {
@@ -612,18 +621,20 @@ static chi_status gather(chi_scatter_job* job, masses* m)
     sums[1] += one->sink.deposited;
     sums[2] += one->out;
     sums[3] += one->singular;
+    sums[5] += one->bound;
   }
   for (size_t i = 0; i < job->piece_count; ++i)
   {
     sums[4] += llrint(job->pieces[i].mass * job->total_unit);
   }
   status = agree(job, status, NULL, 0);
-  status = status == CHI_OK ? add_up(job, sums, 5) : status;
+  status = status == CHI_OK ? add_up(job, sums, 6) : status;
   m->mass = sums[0];
   m->deposited = sums[1];
   m->out = (double)sums[2] / job->total_unit;
   m->singular = (double)sums[3] / job->total_unit;
   m->total = (double)sums[4] / job->total_unit;
+  m->bound = (double)sums[5] / job->total_unit;
   return status == CHI_OK ? add_up(job, m->bins, count) : status;
 }
 
@@ -648,6 +659,7 @@ static void write_result(
   /* what the published method loses or makes is not told from what is beyond */
   r->mass_out_of_range = job->params.method == CHI_SCATTERPLOT_EXACT ? m->out : m->total - sum;
   r->singular_mass = m->singular;
+  r->splat_bound = m->bound;
 }
 
 static void count_pieces(const chi_scatter_job* job, chi_scatterplot_result* r)
@@ -663,6 +675,11 @@ static void count_pieces(const chi_scatter_job* job, chi_scatterplot_result* r)
     r->section_simplices += w->sections;
     r->missing_pieces += w->missing_pieces;
     r->one_bin_pieces += w->one_bin_pieces;
+    r->subdivided_cells += w->subdivided;
+    r->capped_cells += w->capped;
+    r->folded_cells += w->folded;
+    r->splats += w->splats;
+    r->simplices += w->more_simplices;
   }
   for (size_t i = 0; i < job->piece_count; ++i)
   {
@@ -746,6 +763,10 @@ chi_status chi_scatterplot_compute(const chi_exec* exec, chi_scatterplot* plot,
       !CHI_ADOPT(chi_scatterplot_reduction, sum_i64, &job.reduction, job.params.reduction)))
   {
     return CHI_ERROR_INVALID_ARGUMENT;
+  }
+  if (job.params.trilinear_levels == 0)
+  {
+    job.params.trilinear_levels = DEFAULT_LEVELS;
   }
   job.exec = exec;
   job.keep = plot;

@@ -22,7 +22,8 @@ static void unlock(chi_scatter_job* job)
 void chi_scatter_free_worker(const chi_exec* exec, chi_scatter_worker* worker)
 {
   chi_buffer* const buffers[] = { &worker->bins, &worker->scratch, &worker->tile_block,
-    &worker->brick_block, &worker->edge_block, &worker->list_block, &worker->slot_block };
+    &worker->brick_block, &worker->fine_block, &worker->edge_block, &worker->list_block,
+    &worker->slot_block };
   for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i)
   {
     chi_buffer_free(exec, buffers[i]);
@@ -50,6 +51,21 @@ static int equip(const chi_scatter_job* job, chi_scatter_worker* w)
     if (is_new)
     {
       memset(w->brick, 0, sizeof *w->brick);
+    }
+  }
+  if (job->params.trilinear_tolerance > 0 && job->dimension == 3)
+  {
+    const int is_new = !w->fine_block.data;
+    if (!chi_buffer_reserve(exec, &w->fine_block, 1, sizeof *w->fine) ||
+      !chi_buffer_reserve(exec, &w->edge_block, 7 * CHI_SCATTER_POINTS, sizeof *w->edge))
+    {
+      return 0;
+    }
+    w->fine = (chi_scatter_brick*)w->fine_block.data;
+    w->edge = (chi_scatter_edge*)w->edge_block.data;
+    if (is_new)
+    {
+      memset(w->fine, 0, sizeof *w->fine);
     }
   }
   if (bins == 0) /* nothing is deposited yet */
@@ -144,7 +160,8 @@ void chi_scatter_settle(const chi_scatter_job* job, chi_scatter_worker* w)
   w->mass += llrint(w->sink.inside * job->plot.unit);
   w->out += llrint(w->sink.outside * job->total_unit);
   w->singular += llrint(w->sink.singular * job->total_unit);
-  w->sink.inside = w->sink.outside = w->sink.singular = 0;
+  w->bound += (int64_t)ceil(w->sink_error * job->total_unit);
+  w->sink.inside = w->sink.outside = w->sink.singular = w->sink_error = 0;
 }
 
 static double clamp(double x, double high)

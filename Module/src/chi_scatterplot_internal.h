@@ -51,15 +51,19 @@ typedef struct chi_scatter_worker
   int is_busy, is_equipped;
   chi_scatter_sink sink;
   int64_t mass;          /* within the plot, in its unit */
-  int64_t out, singular; /* in units of the whole */
+  int64_t out, singular, bound; /* in units of the whole; bound: of what splats are off by */
+  double sink_error;            /* of a piece */
+  size_t splats;
   size_t edges, one_bin, sections, missing_pieces, one_bin_pieces;
+  size_t subdivided, capped, folded, more_simplices; /* of trilinear cells */
   double* tile; /* zero between pieces */
-  chi_scatter_brick* brick;
+  chi_scatter_brick *brick, *fine; /* fine: parts of cells of a brick */
   chi_scatter_edge* edge;
   chi_scatter_block block;
   uint32_t* slots; /* of a table of edges: 1 + place in `edge` */
   size_t slot_mask;
-  chi_buffer bins, scratch, tile_block, brick_block, edge_block, list_block, slot_block;
+  chi_buffer bins, scratch, tile_block, brick_block, fine_block, edge_block, list_block;
+  chi_buffer slot_block;
 } chi_scatter_worker;
 
 struct chi_scatterplot
@@ -69,7 +73,7 @@ struct chi_scatterplot
   chi_buffer pieces, order, masses;
   size_t piece_count;
   uint64_t grid_version, version, order_version;
-  int32_t kept_of[12]; /* what else the pieces depend on */
+  int32_t kept_of[13]; /* what else the pieces depend on */
   chi_scatter_worker* workers[CHI_SCATTER_WORKERS];
   size_t worker_count;
 };
@@ -119,6 +123,10 @@ void chi_scatter_map(const chi_scatter_plot* plot, int axis, double* values, siz
 void chi_scatter_measure_brick(
   const chi_scatter_job* job, size_t index, chi_scatter_brick* brick, chi_scatter_piece* piece);
 void chi_scatter_deposit_brick(chi_scatter_job* job, size_t index, chi_scatter_worker* worker);
+/* Cells of a brick whose values, in units of bins, lie in box (x from, to, y from, to); none is
+ * heavier than `most`. */
+void chi_scatter_deposit_cells(chi_scatter_job* job, chi_scatter_worker* worker,
+  chi_scatter_brick* brick, const double box[4], double most);
 /* With `piece` look at the run and fill it in, without deposit it. */
 void chi_scatter_visit_run(
   chi_scatter_job* job, size_t index, chi_scatter_worker* worker, chi_scatter_piece* piece);
@@ -138,6 +146,29 @@ int chi_scatter_is_polygon(int vtk_type);
 /* Area of a polygonal cell, and its weight. */
 int chi_scatter_measure_polygon(
   const chi_scatter_job* job, size_t cell, double* area, double* weight);
+
+/* ---- small cells by their means (chi_scatterplot_splat.c) */
+
+/* Those that may are deposited, and their masses become NaN. */
+void chi_scatter_splat_brick(
+  chi_scatter_job* job, chi_scatter_worker* worker, chi_scatter_brick* brick);
+void chi_scatter_splat_list(chi_scatter_job* job, chi_scatter_worker* worker);
+
+static inline int chi_scatter_splats(const chi_scatter_job* job)
+{
+  return job->params.splat_size > 0 && job->params.method == CHI_SCATTERPLOT_EXACT;
+}
+
+/* ---- trilinear cells (chi_scatterplot_trilinear.c) */
+
+/* Deposit a brick with the cells subdivided that have to be; 0: none has, and nothing is done. */
+int chi_scatter_refine_brick(
+  chi_scatter_job* job, chi_scatter_worker* worker, const chi_scatter_brick* brick);
+/* The block's simplices from `first` on are those of a cell, split by `way`, with this weight. Of
+ * a trilinear one they get its mass; where it is subdivided it is deposited and they are taken away
+ * again, unless it is first looked at. */
+void chi_scatter_refine_cell(chi_scatter_job* job, chi_scatter_worker* worker,
+  const chi_grid_cell* cell, int way, size_t first, double weight, int is_first);
 
 /* Order a list of cells in space where it pays; NULL members of the job are no error. */
 chi_status chi_scatter_sort(chi_scatter_job* job);

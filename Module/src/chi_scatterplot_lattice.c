@@ -250,8 +250,21 @@ void chi_scatter_deposit_brick(chi_scatter_job* job, size_t index, chi_scatter_w
   chi_scatter_map(&job->plot, 0, box, 2);
   chi_scatter_map(&job->plot, 1, box + 2, 2);
 
-  job->kernels->brick(&job->plot, b, chi_scatter_light(most));
+  if (!(job->params.trilinear_tolerance > 0) || !chi_scatter_refine_brick(job, w, b))
+  {
+    chi_scatter_deposit_cells(job, w, b, box, most);
+  }
+}
+
+void chi_scatter_deposit_cells(chi_scatter_job* job, chi_scatter_worker* w, chi_scatter_brick* b,
+  const double box[4], double most)
+{
   double x[4], y[4];
+  if (chi_scatter_splats(job))
+  {
+    chi_scatter_splat_brick(job, w, b);
+  }
+  job->kernels->brick(&job->plot, b, chi_scatter_light(most));
   for (size_t i = 0; i < b->one_bin_count; ++i)
   {
     corners_of(b, b->one_bin[i], x, y);

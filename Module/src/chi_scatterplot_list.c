@@ -153,7 +153,7 @@ static int add_tetrahedron(
 }
 
 /* All tetrahedra of a cell. */
-static int add_cell(chi_scatter_job* job, chi_scatter_worker* w, size_t index)
+static int add_cell(chi_scatter_job* job, chi_scatter_worker* w, size_t index, int is_first)
 {
   const chi_grid* const grid = &job->grid;
   chi_scatter_block* const b = &w->block;
@@ -173,7 +173,7 @@ static int add_cell(chi_scatter_job* job, chi_scatter_worker* w, size_t index)
   {
     return CHI_CELL_UNSUPPORTED; /* the caller has made room: this cannot be */
   }
-  const size_t center_id = grid->points + b->centers;
+  const size_t center_id = grid->points + b->centers, first = b->count;
   if (split.way == CHI_SPLIT_CENTER)
   {
     chi_scatter_center* const center = b->center + b->centers++;
@@ -212,6 +212,10 @@ static int add_cell(chi_scatter_job* job, chi_scatter_worker* w, size_t index)
     }
     b->mass[b->count] = volume6(x[0], x[1], x[2], x[3]) / 6 * weight;
     b->cell[b->count++] = (uint32_t)index;
+  }
+  if (job->params.trilinear_tolerance > 0 && b->count > first)
+  {
+    chi_scatter_refine_cell(job, w, &cell, split.way, first, weight, is_first);
   }
   return CHI_CELL_GOOD;
 }
@@ -319,6 +323,10 @@ static void deposit_tetrahedra(chi_scatter_job* job, chi_scatter_worker* w, cons
   uint8_t kind[CHI_SCATTER_CHUNK];
   size_t edges = 0;
   memset(w->slots, 0, (w->slot_mask + 1) * sizeof *w->slots);
+  if (chi_scatter_splats(job))
+  {
+    chi_scatter_splat_list(job, w);
+  }
   for (size_t i = 0; i < b->count; ++i)
   {
     most = fabs(b->mass[i]) > most ? fabs(b->mass[i]) : most;
@@ -584,7 +592,7 @@ void chi_scatter_visit_run(
     count(job, piece,
       is_tetrahedron          ? add_tetrahedron(job, w, index, job->masses + i, piece != NULL)
         : job->dimension == 2 ? chi_scatter_add_polygon(job, w, index)
-                              : add_cell(job, w, index));
+                              : add_cell(job, w, index, piece != NULL));
   }
   chi_scatter_finish_block(job, w, run, piece);
 }

@@ -4,6 +4,7 @@
 /* Continuous scatterplots against closed forms and against cutting in long double. */
 
 #include "scatterplot_scene.h"
+#include "scatterplot_waves.h"
 
 static const double zero[3] = { 0, 0, 0 }, one[3] = { 1, 1, 1 }, minus[3] = { -1, -1, -1 };
 
@@ -30,15 +31,6 @@ static void x_and_constant(const double x[3], double value[2])
 {
   value[0] = field_scale * x[0];
   value[1] = field_scale * 0.25;
-}
-
-/* Marschner & Lobb 1994, and the distance from the centre. */
-static void waves(const double x[3], double value[2])
-{
-  const double pi = 3.14159265358979323846;
-  const double rho = cos(2 * pi * 6 * cos(pi * sqrt(x[0] * x[0] + x[1] * x[1]) / 2));
-  value[0] = (1 - sin(pi * x[2] / 2) + 0.25 * (1 + rho)) / 2.5;
-  value[1] = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
 }
 
 /* Integral over a bin of the density of y + z, both even on [0, 1]. */
@@ -238,7 +230,7 @@ static void images_and_lists_match_cutting(void)
   {
     const size_t n = 4, bins = k % 2 ? 24 : 10;
     const double zoom = zooms[k / 2];
-    scene* const s = scene_image((size_t[3]){ n, n + 3, n }, minus, one, waves);
+    scene* const s = scene_image((size_t[3]){ n, n + 3, n }, minus, one, waves_values);
     const double x = 0.45, y = 0.9;
     const double half_x = zoom == 1 ? 1 : 0.45 * zoom, half_y = zoom == 1 ? 2 : 0.9 * zoom;
     ref_plot ref = { .bins = { bins, bins + 3 },
@@ -276,8 +268,35 @@ static void images_and_lists_match_cutting(void)
   }
 }
 
+static void marschner_lobb_approaches_quadrature_with_the_square_of_the_mesh(void)
+{
+  /* a quarter of the domain, which is symmetric about the axis */
+  static const double corner[3] = { 0, 0, -1 };
+  const size_t n = 24, bins[2] = { n, n };
+  const double range[2][2] = { { 0, 1 }, { 0, sqrt(3) } };
+  double *const exact = (double*)malloc(n * n * sizeof *exact), l1[3] = { 0 };
+  waves_masses(exact, bins, range, 4096); /* twice as many change it by 3e-5 of the mass */
+  for (int k = 0; k < 3; ++k)
+  {
+    const size_t cells = (size_t[]){ 40, 80, 160 }[k]; /* 4 to 17 a wave */
+    scene* const s = scene_image((size_t[3]){ cells, cells, cells / 2 }, corner, one, waves_values);
+    const chi_scatterplot_params params = scene_params(n, n, 0, 1, 0, range[1][1]);
+    double* const density = scene_plot(NULL, s, &params, NULL);
+    for (size_t i = 0; i < n * n; ++i)
+    {
+      l1[k] += fabs(density[i] * range[1][1] / (double)(n * n) - exact[i] / 4) / 2;
+    }
+    free(density);
+    scene_free(s);
+  }
+  CHECK_NEAR(log2(l1[1] / l1[2]), 2, 0.2);
+  CHECK(l1[0] > l1[1] && l1[2] < 0.01);
+  free(exact);
+}
+
 int main(void)
 {
+  marschner_lobb_approaches_quadrature_with_the_square_of_the_mesh();
   closed_forms_hold_at_every_scale();
   one_tetrahedron_is_a_tent_of_height_3V_over_A();
   tetrahedra_of_any_shape_match_cutting();

@@ -252,6 +252,47 @@ class Options(unittest.TestCase):
         self.assertLess(np.abs(published - exact).sum() / exact.sum(), 0.02)
         self.assertGreater(np.abs(published - exact).max(), 1e-6)
 
+    def test_trilinear_cells_approach_their_interpolant(self):
+        # x y in the unit cube is below u in u - u log u of it, z below v in v
+        data = vtkImageData()
+        data.SetDimensions(2, 2, 2)
+        with_fields(data, lambda x: x[:, 0] * x[:, 1], lambda x: x[:, 2])
+        plot = plot_of(data, (64, 4))
+        u = np.linspace(0, 1, 65)[1:]
+        below = u - u * np.log(u)
+        last = np.inf
+        for levels, tolerance in enumerate((0.3, 0.0625, 0.015, 0.0039)):
+            plot.SetTrilinearTolerance(tolerance)
+            density = updated(plot)
+            moved = np.abs(np.cumsum(density.mean(axis=0)) / 64 - below).mean()
+            self.assertLess(moved, min(tolerance, last / 2))
+            self.assertEqual(plot.GetNumberOfSubdividedCells(), 1 if levels else 0)
+            self.assertEqual(plot.GetNumberOfCappedCells(), 0)
+            self.assertAlmostEqual(density.sum() / 256, 1, 12)
+            last = moved
+        plot.SetTrilinearLevels(1)
+        updated(plot)
+        self.assertEqual(plot.GetNumberOfSimplices(), 48)
+        self.assertEqual(plot.GetNumberOfCappedCells(), 1)
+        voxels = vtkAppendFilter()
+        voxels.SetInputData(data)
+        voxels.Update()
+        same = plot_of(voxels.GetOutput(), (64, 4))
+        same.SetTrilinearTolerance(0.01)
+        plot.SetTrilinearLevels(4)
+        plot.SetTrilinearTolerance(0.01)
+        np.testing.assert_allclose(updated(same), updated(plot), atol=1e-10)
+
+    def test_splats_stay_within_their_bound(self):
+        plot = plot_of(cube(30), (7, 9))
+        exact = updated(plot).copy()
+        self.assertEqual((plot.GetNumberOfSplats(), plot.GetSplatErrorBound()), (0, 0))
+        plot.SetSplatSize(0.7)
+        error = np.abs(updated(plot) - exact).sum() * (1 / 7) * (2 / 9)
+        self.assertGreater(plot.GetNumberOfSplats(), 0)
+        self.assertGreater(error, 0)
+        self.assertLess(error, plot.GetSplatErrorBound())
+
     def test_unchanged_input_keeps_its_ranges(self):
         plot = plot_of(cube())
         updated(plot)
@@ -305,6 +346,8 @@ class Nonsense(unittest.TestCase):
             (lambda p: p.SetInputArrayToProcess(0, 0, 0, POINTS, "missing"), "no first array"),
             (lambda p: p.SetInputArrayToProcess(2, 0, 0, POINTS, "missing"), "no weight"),
             (lambda p: p.SetInputArrayToProcess(1, 0, 0, CELLS, "cells"), "vtkCellDataToPointData"),
+            (lambda p: p.SetTrilinearTolerance(1) or p.SetTrilinearTolerance(-1) or
+             self.assertEqual(p.GetTrilinearTolerance(), 1) or p.SetDimensions(0, 1), "Dimensions"),
             (lambda p: p.SetComponent(0, 2), "has no component 2"),
             (lambda p: p.AddMatrixArray("missing"), "no array 'missing'"),
         ]

@@ -83,6 +83,16 @@ typedef struct chi_scatterplot_params
   uint32_t switches;       /**< CHI_SCATTERPLOT_NO_... */
   uint32_t reserved;
   const chi_scatterplot_reduction* reduction; /**< NULL: this process has all */
+  double trilinear_tolerance; /**< of image and rectilinear cells, hexahedra and voxels with fields
+                                   of points, in units of each field's range in the plot: they are
+                                   subdivided until mass lies on average no further than this from
+                                   where the trilinear interpolant has it. 0: all are split into
+                                   tetrahedra as they are */
+  int32_t trilinear_levels;   /**< most halvings of a cell's edges, 1 ... 6; 0: 4 */
+  int32_t reserved2;
+  double splat_size; /**< 0 ... 1: cells of lattices, and tetrahedra of lists, whose values span
+                          this part of a bin or less along both fields and lie on one line between
+                        bins are deposited by their mean, not exactly; 0: none */
 } chi_scatterplot_params;
 
 /** What became of the mesh. Masses and ranges are of all processes, counts of this one. */
@@ -106,6 +116,11 @@ typedef struct chi_scatterplot_result
                                                       those that miss the plot or lie in one bin */
   int32_t is_sorted; /**< a list of cells was put in an order of space */
   int32_t is_kept;   /**< ranges and masses of pieces are those of the last call */
+  size_t subdivided_cells; /**< trilinear ones; `simplices` counts the tetrahedra of their parts */
+  size_t capped_cells;     /**< of them those that would take more than `trilinear_levels` */
+  size_t splats;           /**< cells that were deposited by their mean */
+  double splat_bound;      /**< the sum of what bins' masses are off by these is at most this */
+  size_t folded_cells;     /**< hexahedra whose map may fold: split as without a tolerance */
 } chi_scatterplot_result;
 
 /** What is kept from one plot of a mesh to the next. */
@@ -141,6 +156,11 @@ CHI_API void chi_scatterplot_destroy(chi_scatterplot* plot);
  * @retval CHI_ERROR_OUT_OF_MEMORY, CHI_ERROR_CANCELLED
  * @retval CHI_ERROR_TOO_LARGE  more bins, points or cells than stated
  *
+ * Trilinear    with a tolerance the mass of hexahedra and voxels is the volume of the trilinear map
+ * (integral of its determinant, also where they need no subdivision), and of image and rectilinear
+ * cells their volume, as without. A part's mass is the exact integral over it, spread evenly over
+ * its six tetrahedra. Halving edges L times divides the error by 4^L; cells that miss the plot or
+ * lie in one bin are not subdivided.
  * Precision    each bin to 1e-10 of the largest; total_mass = sum of the bins + mass_out_of_range
  * to 1e-12, at any scale of the fields. Values are rounded to 2^-51 of the range. Simplices whose
  * image is thin or has no area go a way that does not divide by it.

@@ -113,6 +113,10 @@ typedef struct chi_scatter_kernels
   /* Deposit a triangle (3 corners) or a tetrahedron (4) of any shape. */
   void (*sections)(const chi_scatter_plot* plot, chi_scatter_sink* sink, int corners,
     const double* x, const double* y, double mass);
+  /* Cells of a brick that span `size` bins or less along both axes, and that a line between bins of
+   * one axis crosses: bits of each row of cells. */
+  void (*straddling)(const chi_scatter_plot* plot, const chi_scatter_brick* brick, double size,
+    uint8_t* rows);
 } chi_scatter_kernels;
 
 extern const chi_scatter_kernels chi_scatter_kernels_generic;
