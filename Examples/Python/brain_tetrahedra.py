@@ -1,8 +1,6 @@
 # SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""A brain (MRI) as a mesh of tetrahedra, small where it has detail, beside the image itself:
-brain_tetrahedra.py DATA PICTURE"""
-import sys
+"""A brain (MRI) as a mesh of tetrahedra, small where it has detail, beside the image itself."""
 from pathlib import Path
 
 import numpy as np
@@ -98,5 +96,11 @@ def scene(data, cache):
 
 
 if __name__ == "__main__":
+    from argparse import ArgumentParser
     from save_picture import save
-    save(scene(sys.argv[1], sys.argv[2] + ".vtu")[0][0], sys.argv[2])
+
+    parser = ArgumentParser(description=__doc__)
+    parser.add_argument("data", help="the folder that `make data` fills")
+    parser.add_argument("picture", help="PNG to write")
+    given = parser.parse_args()
+    save(scene(given.data, given.picture + ".vtu")[0][0], given.picture)

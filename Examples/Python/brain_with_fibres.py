@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A brain (MRI), cut open, with nerve fibres; all shade each other: brain_with_fibres.py DATA PICTURE"""
-import sys, tempfile, zipfile
+"""A brain (MRI), cut open, with nerve fibres; all shade each other."""
+import tempfile, zipfile
 
 import nibabel
 import numpy as np
@@ -54,6 +54,13 @@ def scene(data):
     renderer.GetActiveCamera().Zoom(1.35)
     return renderer, brain
 
+
 if __name__ == "__main__":
+    from argparse import ArgumentParser
     from save_picture import save
-    save(scene(sys.argv[1])[0], sys.argv[2])
+
+    parser = ArgumentParser(description=__doc__)
+    parser.add_argument("data", help="the folder that `make data` fills")
+    parser.add_argument("picture", help="PNG to write")
+    given = parser.parse_args()
+    save(scene(given.data)[0], given.picture)
