@@ -9,12 +9,14 @@
 #include "chi_grid_internal.h"
 #include "simd/chi_scatterplot_kernels.h"
 
+#include <math.h>
 #include <stdatomic.h>
 
 enum
 {
-  CHI_SCATTER_RUN = 2048,   /* cells of a list that are one piece */
-  CHI_SCATTER_WORKERS = 256 /* most threads at a time; more wait */
+  CHI_SCATTER_RUN = 2048,    /* cells of a list that are one piece */
+  CHI_SCATTER_WORKERS = 256, /* most threads at a time; more wait */
+  CHI_SCATTER_MASS_BITS = 61 /* of all mass together: sums of integers do not overflow */
 };
 
 /* What a piece of the mesh holds: read once, and enough to skip it. */
@@ -31,11 +33,11 @@ typedef struct chi_scatter_piece
 typedef struct chi_scatter_block
 {
   size_t count, capacity;
-  uint32_t* ids;  /* [4][capacity] */
-  uint32_t* cell; /* [capacity] each one's; those of a cell follow each other */
-  double* mass;   /* [capacity + 8] NaN: left out */
-  double *x, *y;  /* [4][capacity], and 8 more */
-  uint64_t* keys; /* [6 capacity] ends of edges */
+  uint32_t* ids;       /* [4][capacity] */
+  uint32_t* cell;      /* [capacity] each one's; those of a cell follow each other */
+  double* mass;        /* [capacity + 8] NaN: left out */
+  double *x, *y;       /* [4][capacity], and 8 more */
+  uint32_t (*ends)[2]; /* [6 capacity] of edges, as places in the arrays of values */
   size_t centers;
   struct chi_scatter_center* center; /* [capacity] */
 } chi_scatter_block;
@@ -50,14 +52,14 @@ typedef struct chi_scatter_worker
 {
   int is_busy, is_equipped;
   chi_scatter_sink sink;
-  int64_t mass;          /* within the plot, in its unit */
+  int64_t mass;                 /* within the plot, in its unit */
   int64_t out, singular, bound; /* in units of the whole; bound: of what splats are off by */
   double sink_error;            /* of a piece */
   size_t splats;
   size_t edges, one_bin, sections, missing_pieces, one_bin_pieces;
   size_t subdivided, capped, folded, more_simplices; /* of trilinear cells */
-  double* tile; /* zero between pieces */
-  chi_scatter_brick *brick, *fine; /* fine: parts of cells of a brick */
+  double* tile;                                      /* zero between pieces */
+  chi_scatter_brick *brick, *fine;                   /* fine: parts of cells of a brick */
   chi_scatter_edge* edge;
   chi_scatter_block block;
   uint32_t* slots; /* of a table of edges: 1 + place in `edge` */
@@ -73,7 +75,8 @@ struct chi_scatterplot
   chi_buffer pieces, order, masses;
   size_t piece_count;
   uint64_t grid_version, version, order_version;
-  int32_t kept_of[13]; /* what else the pieces depend on */
+  int order_has_corners; /* chi_scatter_job.corners, not .order */
+  int32_t kept_of[13];   /* what else the pieces depend on */
   chi_scatter_worker* workers[CHI_SCATTER_WORKERS];
   size_t worker_count;
 };
@@ -87,7 +90,8 @@ typedef struct chi_scatter_job
   chi_scatterplot_reduction reduction;
   chi_grid grid;
   int dimension;
-  int is_uniform;   /* a list of nothing but tetrahedra, one after the other */
+  int is_uniform;   /* a list of nothing but tetrahedra, one after the other, with fields of points
+                       and nothing hidden */
   int is_lattice;   /* an image or rectilinear grid of three dimensions with fields of points */
   size_t bricks[3]; /* of a lattice, along each axis */
   size_t brick_phase[3]; /* cells of the whole's brick before the grid's first cell */
@@ -96,7 +100,8 @@ typedef struct chi_scatter_job
   chi_scatter_piece* pieces;
   size_t piece_count;
   double* masses; /* of a list's cells in their order, as far as they are tetrahedra; or NULL */
-  const uint32_t* order; /* of a list that is sorted, or NULL */
+  const uint32_t* order;        /* of a list that is sorted, or NULL */
+  const uint32_t (*corners)[4]; /* likewise, of a uniform list: points of its cells */
   const chi_scatter_kernels* kernels;
   chi_scatter_plot plot;
   double total_unit; /* integers per unit of mass, of sums over all of the mesh */
@@ -105,6 +110,56 @@ typedef struct chi_scatter_job
   atomic_flag lock;
   atomic_int failed; /* a chi_status */
 } chi_scatter_job;
+
+/* Of all threads and processes. */
+typedef struct chi_scatter_masses
+{
+  int64_t* bins;
+  int64_t mass, deposited; /* within the plot: as summed, and as it went to bins */
+  double total, out, singular, bound;
+} chi_scatter_masses;
+
+/* ---- all pieces together (chi_scatterplot_plan.c) */
+
+/* Maxima over processes, the worst status among them; without others as they are. */
+chi_status chi_scatter_agree(
+  const chi_scatter_job* job, chi_status status, double* values, size_t count);
+/* Sums over processes, in place. */
+chi_status chi_scatter_add_up(const chi_scatter_job* job, int64_t* values, size_t count);
+/* The highest dimension of cells, and whether all are tetrahedra one after the other. */
+chi_status chi_scatter_look_at_types(chi_scatter_job* job);
+void chi_scatter_plan_pieces(chi_scatter_job* job);
+/* The pieces' own, where it is automatic. */
+chi_status chi_scatter_choose_range(
+  chi_scatter_job* job, chi_status status, chi_scatterplot_result* result);
+void chi_scatter_set_plot(chi_scatter_job* job, const chi_scatterplot_result* result);
+/* Integers per unit of mass: of the whole, and of bins by the pieces that touch the plot. */
+chi_status chi_scatter_choose_units(chi_scatter_job* job);
+/* Whether a piece's values, in units of bins, miss the plot; one on its lower or upper end does
+ * not. */
+int chi_scatter_misses(const chi_scatter_job* job, const chi_scatter_piece* piece, double box[4]);
+
+/* ---- all deposits together (chi_scatterplot_result.c) */
+
+/* Sums over threads and processes, bins in the first worker's. */
+chi_status chi_scatter_sum(chi_scatter_job* job, chi_scatter_masses* masses);
+void chi_scatter_write_result(const chi_scatter_job* job, const chi_scatter_masses* masses,
+  double* density, chi_scatterplot_result* result);
+void chi_scatter_count_pieces(const chi_scatter_job* job, chi_scatterplot_result* result);
+
+/* Six times the volume of a tetrahedron, without its sign. */
+static inline double chi_scatter_volume6(
+  const double* p, const double* q, const double* r, const double* s)
+{
+  const double a[3] = { q[0] - p[0], q[1] - p[1], q[2] - p[2] };
+  const double b[3] = { r[0] - p[0], r[1] - p[1], r[2] - p[2] };
+  const double c[3] = { s[0] - p[0], s[1] - p[1], s[2] - p[2] };
+  return fabs(a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+    a[2] * (b[0] * c[1] - b[1] * c[0]));
+}
+
+/* Of a coordinate, as chi_grid_count has it. */
+#define CHI_SCATTER_LARGEST 1e100
 
 /* ---- values (chi_scatterplot_values.c) */
 
@@ -132,6 +187,18 @@ void chi_scatter_visit_run(
   chi_scatter_job* job, size_t index, chi_scatter_worker* worker, chi_scatter_piece* piece);
 /* Room for `count` simplices more; 0 where it is refused, and the job has failed. */
 int chi_scatter_reserve_block(chi_scatter_job* job, chi_scatter_worker* worker, size_t count);
+/* Cells of a list that are one piece. */
+void chi_scatter_find_run(const chi_scatter_job* job, size_t run, size_t* first, size_t* last);
+/* chi_scatter_visit_run of a list of nothing but tetrahedra. */
+void chi_scatter_visit_tetrahedra(
+  chi_scatter_job* job, size_t run, chi_scatter_worker* worker, chi_scatter_piece* piece);
+/* Values at the corners of a block, as they are. */
+void chi_scatter_gather_block(const chi_scatter_job* job, chi_scatter_block* block);
+/* Leave out cells with a value or a mass that is not finite; how many, and with `piece` what the
+ * others hold. */
+void chi_scatter_look_through(chi_scatter_block* block, int corners, chi_scatter_piece* piece);
+/* A block with its values, which become units of bins. */
+void chi_scatter_deposit_block(chi_scatter_job* job, chi_scatter_worker* worker, size_t run);
 /* The values of a block's corners, cells with any that is not finite left out; those are counted
  * and the others' ranges found with `piece`, else all is deposited. The block is empty then. */
 void chi_scatter_finish_block(
@@ -172,6 +239,10 @@ void chi_scatter_refine_cell(chi_scatter_job* job, chi_scatter_worker* worker,
 
 /* Order a list of cells in space where it pays; NULL members of the job are no error. */
 chi_status chi_scatter_sort(chi_scatter_job* job);
+/* The same of a uniform list: its cells' points in that order (chi_scatterplot_corners.c). */
+chi_status chi_scatter_sort_corners(chi_scatter_job* job);
+/* The box of all points that are finite. */
+chi_status chi_scatter_find_box(const chi_scatter_job* job, double low[3], double high[3]);
 
 /* ---- what both kinds of pieces share (chi_scatterplot_deposit.c) */
 

@@ -1,8 +1,8 @@
 /* SPDX-FileCopyrightText: Copyright (c) The Chiaroscuro Authors */
 /* SPDX-License-Identifier: BSD-3-Clause */
 
-/* Lists of cells of any type in runs: their simplices side by side, edges that they share found in
- * a small table. Fields of cells have no simplices: each cell is one deposit. */
+/* Lists of cells of any type in runs: their simplices go into a block. Fields of cells have no
+ * simplices: each cell is one deposit. */
 
 #include "chi_scatterplot_internal.h"
 
@@ -10,11 +10,8 @@
 
 enum
 {
-  VTK_TETRA_TYPE = 10,
-  LEAST_CAPACITY = CHI_SCATTER_RUN
+  VTK_TETRA_TYPE = 10
 };
-
-static const double largest = 1e100; /* of a coordinate, as chi_grid_count has it */
 
 double chi_scatter_weight(const chi_scatter_job* job, size_t cell, const int64_t* ids, size_t count)
 {
@@ -35,72 +32,6 @@ double chi_scatter_weight(const chi_scatter_job* job, size_t cell, const int64_t
   return sum / (double)count;
 }
 
-/* ---- a block of simplices */
-
-/* The parts of one piece of memory; with `base` 0 only its size. */
-static size_t lay_out(chi_scatter_block* b, size_t capacity, char* base)
-{
-  size_t at = 0;
-#define PART(member, count)                                                                        \
-  b->member = (void*)(base + at);                                                                  \
-  at += ((count) * sizeof *b->member + 63) / 64 * 64
-  PART(x, 4 * capacity + 8);
-  PART(y, 4 * capacity + 8);
-  PART(mass, capacity + 8);
-  PART(keys, 6 * capacity);
-  PART(center, capacity);
-  PART(ids, 4 * capacity);
-  PART(cell, capacity);
-#undef PART
-  return at;
-}
-
-int chi_scatter_reserve_block(chi_scatter_job* job, chi_scatter_worker* w, size_t count)
-{
-  chi_scatter_block* const b = &w->block;
-  if (count <= b->capacity)
-  {
-    return 1;
-  }
-  const chi_exec* const exec = job->keep->has_exec ? &job->keep->exec : NULL;
-  const size_t capacity = (count < LEAST_CAPACITY ? LEAST_CAPACITY : count + 7) / 8 * 8;
-  size_t slots = 8;
-  while (slots < 8 * capacity) /* an edge and a half a simplex, six at most */
-  {
-    slots *= 2;
-  }
-  chi_scatter_block none;
-  static char nothing;
-  const size_t bytes = lay_out(&none, capacity, &nothing);
-  const int is_there = capacity <= SIZE_MAX / 512 &&
-    chi_buffer_reserve(exec, &w->list_block, bytes, 1) &&
-    chi_buffer_reserve(exec, &w->edge_block, 6 * capacity, sizeof *w->edge) &&
-    chi_buffer_reserve(exec, &w->slot_block, slots, sizeof *w->slots);
-  b->capacity = 0;
-  if (!is_there)
-  {
-    job->failed = CHI_ERROR_OUT_OF_MEMORY;
-    return 0;
-  }
-  lay_out(b, capacity, (char*)w->list_block.data);
-  memset(w->list_block.data, 0, bytes); /* vectors read a little beyond what is written */
-  b->capacity = capacity;
-  w->edge = (chi_scatter_edge*)w->edge_block.data;
-  w->slots = (uint32_t*)w->slot_block.data;
-  w->slot_mask = slots - 1;
-  return 1;
-}
-
-/* Six times the volume of a tetrahedron, without its sign. */
-static double volume6(const double* p, const double* q, const double* r, const double* s)
-{
-  const double a[3] = { q[0] - p[0], q[1] - p[1], q[2] - p[2] };
-  const double b[3] = { r[0] - p[0], r[1] - p[1], r[2] - p[2] };
-  const double c[3] = { s[0] - p[0], s[1] - p[1], s[2] - p[2] };
-  return fabs(a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
-    a[2] * (b[0] * c[1] - b[1] * c[0]));
-}
-
 /* A tetrahedron that is a cell itself. Its mass is kept at `mass` when it is first looked at, and
  * is NaN where its points are not finite. */
 static int add_tetrahedron(
@@ -109,15 +40,10 @@ static int add_tetrahedron(
   const chi_grid* const grid = &job->grid;
   const chi_grid_view* const v = &grid->view;
   chi_scatter_block* const b = &w->block;
-  int64_t begin = 4 * (int64_t)index;
-  if (!job->is_uniform)
+  const int64_t begin = v->offsets[index], end = v->offsets[index + 1];
+  if (begin < 0 || end != begin + 4 || (uint64_t)end > v->connectivity_count)
   {
-    begin = v->offsets[index];
-    const int64_t end = v->offsets[index + 1];
-    if (begin < 0 || end != begin + 4 || (uint64_t)end > v->connectivity_count)
-    {
-      return CHI_CELL_BROKEN;
-    }
+    return CHI_CELL_BROKEN;
   }
   const int64_t* const ids = v->connectivity + begin;
   double x[4][3], reach = 0;
@@ -140,7 +66,8 @@ static int add_tetrahedron(
   }
   if (is_first)
   {
-    const double volume = reach <= largest ? volume6(x[0], x[1], x[2], x[3]) / 6 : NAN;
+    const double volume =
+      reach <= CHI_SCATTER_LARGEST ? chi_scatter_volume6(x[0], x[1], x[2], x[3]) / 6 : NAN;
     *mass = volume * chi_scatter_weight(job, index, ids, 4);
   }
   if (*mass != *mass)
@@ -190,8 +117,8 @@ static int add_cell(chi_scatter_job* job, chi_scatter_worker* w, size_t index, i
       center->value[f] = sum / (double)cell.count;
     }
   }
-  /* keys of edges are not there yet: room for what the cell writes */
-  uint32_t(*const vertices)[4] = (uint32_t(*)[4])(void*)(b->keys + 2 * b->count);
+  /* there are no edges yet: room for what the cell writes */
+  uint32_t(*const vertices)[4] = (uint32_t(*)[4])(void*)(b->ends + 2 * b->count);
   const size_t count = chi_cell_write(&cell, split.way, (uint32_t)center_id, vertices);
   const double weight = chi_scatter_weight(job, index, cell.ids, cell.count);
   for (size_t t = 0; t < count; ++t)
@@ -210,7 +137,7 @@ static int add_cell(chi_scatter_job* job, chi_scatter_worker* w, size_t index, i
         chi_grid_point(grid, id, x[c]);
       }
     }
-    b->mass[b->count] = volume6(x[0], x[1], x[2], x[3]) / 6 * weight;
+    b->mass[b->count] = chi_scatter_volume6(x[0], x[1], x[2], x[3]) / 6 * weight;
     b->cell[b->count++] = (uint32_t)index;
   }
   if (job->params.trilinear_tolerance > 0 && b->count > first)
@@ -218,196 +145,6 @@ static int add_cell(chi_scatter_job* job, chi_scatter_worker* w, size_t index, i
     chi_scatter_refine_cell(job, w, &cell, split.way, first, weight, is_first);
   }
   return CHI_CELL_GOOD;
-}
-
-/* Values at corners, as they are. */
-static void gather(const chi_scatter_job* job, chi_scatter_block* b)
-{
-  double* const values[2] = { b->x, b->y };
-  const size_t points = job->grid.points;
-  for (int f = 0; f < 2; ++f)
-  {
-    for (size_t c = 0; c < 4; ++c)
-    {
-      const uint32_t* const ids = b->ids + c * b->capacity;
-      double* const out = values[f] + c * b->capacity;
-      chi_scatter_gather(
-        &job->input.fields[f], job->input.components[f], ids, points, b->count, out);
-      for (size_t i = 0; i < b->count && b->centers > 0; ++i)
-      {
-        out[i] = ids[i] >= points ? b->center[ids[i] - points].value[f] : out[i];
-      }
-    }
-  }
-}
-
-/* Leave out cells with a value or a mass that is not finite; how many, and with `piece` what the
- * others hold. */
-static void look_through(chi_scatter_block* b, int corners, chi_scatter_piece* piece)
-{
-  for (size_t first = 0, end; first < b->count; first = end)
-  {
-    double zero = 0, mass = 0, size = 0;
-    double low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY };
-    for (end = first; end < b->count && b->cell[end] == b->cell[first]; ++end)
-    {
-      zero += 0 * b->mass[end];
-      mass += b->mass[end];
-      size += fabs(b->mass[end]);
-      for (size_t c = 0; c < (size_t)corners; ++c)
-      {
-        const double x = b->x[c * b->capacity + end], y = b->y[c * b->capacity + end];
-        zero += 0 * x + 0 * y;
-        low[0] = x < low[0] ? x : low[0];
-        high[0] = x > high[0] ? x : high[0];
-        low[1] = y < low[1] ? y : low[1];
-        high[1] = y > high[1] ? y : high[1];
-      }
-    }
-    const int is_good = zero == 0;
-    for (size_t i = first; i < end && !is_good; ++i)
-    {
-      b->mass[i] = NAN;
-    }
-    if (!piece)
-    {
-      continue;
-    }
-    piece->skipped += (uint32_t)!is_good;
-    piece->cells += (uint32_t)is_good;
-    piece->simplices += is_good ? (uint32_t)(end - first) : 0;
-    piece->mass += is_good ? mass : 0;
-    piece->size += is_good ? size : 0;
-    for (int f = 0; f < 2 && is_good; ++f)
-    {
-      piece->low[f] = low[f] < piece->low[f] ? low[f] : piece->low[f];
-      piece->high[f] = high[f] > piece->high[f] ? high[f] : piece->high[f];
-    }
-  }
-}
-
-/* Add a weight to the edge between two corners, which are places in the block's arrays. */
-static void add_edge(chi_scatter_worker* w, size_t* count, size_t from, size_t to, double weight)
-{
-  const chi_scatter_block* const b = &w->block;
-  const uint32_t p = b->ids[from], q = b->ids[to];
-  const uint64_t key = p < q ? (uint64_t)p << 32 | q : (uint64_t)q << 32 | p;
-  size_t slot = (size_t)(key * 0x9e3779b97f4a7c15u >> 32) & w->slot_mask;
-  for (; w->slots[slot]; slot = (slot + 1) & w->slot_mask)
-  {
-    const size_t e = w->slots[slot] - 1;
-    if (b->keys[e] == key)
-    {
-      w->edge[e].weight += weight;
-      return;
-    }
-  }
-  b->keys[*count] = key;
-  w->edge[*count] = (chi_scatter_edge){ (uint32_t)from, (uint32_t)to, weight };
-  w->slots[slot] = (uint32_t)++ * count;
-}
-
-static void corners_at(const chi_scatter_block* b, size_t i, double x[4], double y[4])
-{
-  for (size_t c = 0; c < 4; ++c)
-  {
-    x[c] = b->x[c * b->capacity + i];
-    y[c] = b->y[c * b->capacity + i];
-  }
-}
-
-static void deposit_tetrahedra(chi_scatter_job* job, chi_scatter_worker* w, const double box[4])
-{
-  chi_scatter_block* const b = &w->block;
-  double weight[6][CHI_SCATTER_CHUNK], x[4], y[4], most = 0, edge_mass = 0;
-  uint8_t kind[CHI_SCATTER_CHUNK];
-  size_t edges = 0;
-  memset(w->slots, 0, (w->slot_mask + 1) * sizeof *w->slots);
-  if (chi_scatter_splats(job))
-  {
-    chi_scatter_splat_list(job, w);
-  }
-  for (size_t i = 0; i < b->count; ++i)
-  {
-    most = fabs(b->mass[i]) > most ? fabs(b->mass[i]) : most;
-  }
-  for (size_t first = 0; first < b->count; first += CHI_SCATTER_CHUNK)
-  {
-    const size_t left = b->count - first;
-    const size_t count = left < CHI_SCATTER_CHUNK ? left : CHI_SCATTER_CHUNK;
-    job->kernels->classify(&job->plot, b->x + first, b->y + first, b->capacity, b->mass + first,
-      count, chi_scatter_light(most), weight, kind);
-    for (size_t k = 0; k < count; ++k)
-    {
-      const size_t i = first + k;
-      switch (kind[k])
-      {
-        case CHI_SCATTER_EDGES:
-          for (size_t e = 0; e < 6; ++e)
-          {
-            add_edge(w, &edges, chi_scatter_ends[e][0] * b->capacity + i,
-              chi_scatter_ends[e][1] * b->capacity + i, weight[e][k]);
-          }
-          edge_mass += b->mass[i];
-          ++w->edges;
-          break;
-        case CHI_SCATTER_ONE_BIN:
-          chi_scatter_deposit_at(job, w, b->x[i], b->y[i], b->mass[i]);
-          ++w->one_bin;
-          break;
-        case CHI_SCATTER_SECTIONS:
-          corners_at(b, i, x, y);
-          chi_scatter_deposit_simplex(job, w, 4, x, y, b->mass[i]);
-          break;
-        default:
-          break;
-      }
-    }
-  }
-  if (edges > 0)
-  {
-    chi_scatter_deposit_edges(job, w, b->x, b->y, edges, edge_mass, box, chi_scatter_noise(most));
-  }
-}
-
-void chi_scatter_finish_block(
-  chi_scatter_job* job, chi_scatter_worker* w, size_t run, chi_scatter_piece* piece)
-{
-  chi_scatter_block* const b = &w->block;
-  const int corners = job->dimension + 1;
-  if (b->count > 0)
-  {
-    gather(job, b);
-    if (piece || job->pieces[run].skipped > 0)
-    {
-      look_through(b, corners, piece);
-    }
-  }
-  if (b->count > 0 && !piece)
-  {
-    const chi_scatter_piece* const all = job->pieces + run;
-    double box[4] = { all->low[0], all->high[0], all->low[1], all->high[1] }, x[4], y[4];
-    chi_scatter_map(&job->plot, 0, box, 2);
-    chi_scatter_map(&job->plot, 1, box + 2, 2);
-    for (size_t c = 0; c < (size_t)corners; ++c)
-    {
-      chi_scatter_map(&job->plot, 0, b->x + c * b->capacity, b->count);
-      chi_scatter_map(&job->plot, 1, b->y + c * b->capacity, b->count);
-    }
-    if (corners == 4)
-    {
-      deposit_tetrahedra(job, w, box);
-    }
-    for (size_t i = 0; i < b->count && corners == 3; ++i)
-    {
-      corners_at(b, i, x, y);
-      if (b->mass[i] == b->mass[i])
-      {
-        chi_scatter_deposit_simplex(job, w, 3, x, y, b->mass[i]);
-      }
-    }
-  }
-  b->count = b->centers = 0;
 }
 
 /* ---- fields of cells */
@@ -535,11 +272,7 @@ static void fetch_ahead(const chi_scatter_job* job, size_t i, size_t last)
     NEAR = 12
   };
   const chi_grid_view* const v = &job->grid.view;
-  if (job->is_uniform && i + FAR < last)
-  {
-    __builtin_prefetch(v->connectivity + 4 * (size_t)job->order[i + FAR]);
-  }
-  else if (i + FAR < last)
+  if (i + FAR < last)
   {
     const size_t cell = job->order[i + FAR];
     __builtin_prefetch(v->offsets + cell);
@@ -552,14 +285,24 @@ static void fetch_ahead(const chi_scatter_job* job, size_t i, size_t last)
   }
 }
 
+void chi_scatter_find_run(const chi_scatter_job* job, size_t run, size_t* first, size_t* last)
+{
+  const size_t begin = run * CHI_SCATTER_RUN, end = begin + CHI_SCATTER_RUN - job->run_phase;
+  *first = begin > job->run_phase ? begin - job->run_phase : 0;
+  *last = end < job->grid.cells ? end : job->grid.cells;
+}
+
 void chi_scatter_visit_run(
   chi_scatter_job* job, size_t run, chi_scatter_worker* w, chi_scatter_piece* piece)
 {
   const chi_grid_view* const v = &job->grid.view;
-  const size_t begin = run * CHI_SCATTER_RUN, cells = job->grid.cells;
-  const size_t first = begin > job->run_phase ? begin - job->run_phase : 0;
-  const size_t end = begin + CHI_SCATTER_RUN - job->run_phase;
-  const size_t last = end < cells ? end : cells;
+  size_t first, last;
+  if (job->is_uniform && !job->order)
+  {
+    chi_scatter_visit_tetrahedra(job, run, w, piece);
+    return;
+  }
+  chi_scatter_find_run(job, run, &first, &last);
   const int are_cells = job->input.association == CHI_SCATTERPLOT_CELLS;
   const int is_plain = job->masses && !v->cell_ghosts && !v->point_ghosts;
   if (piece)
@@ -578,8 +321,7 @@ void chi_scatter_visit_run(
       count(job, piece, visit_constant(job, w, index, piece));
       continue;
     }
-    const int is_tetrahedron =
-      is_plain && (job->is_uniform || v->cell_types[index] == VTK_TETRA_TYPE);
+    const int is_tetrahedron = is_plain && v->cell_types[index] == VTK_TETRA_TYPE;
     const size_t most = is_tetrahedron ? 1 : most_simplices(job, index);
     if (most > w->block.capacity - w->block.count)
     {

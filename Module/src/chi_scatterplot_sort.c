@@ -30,7 +30,6 @@ typedef struct sort_job
   const chi_scatter_job* job;
   entry *from, *to;
   size_t (*counts)[BUCKETS]; /* of each part */
-  double (*bounds)[6];
   double low[3], scale[3];
   int shift;
 } sort_job;
@@ -55,10 +54,16 @@ static int first_point(const chi_scatter_job* job, size_t cell, double x[3])
   return isfinite(x[0]) && isfinite(x[1]) && isfinite(x[2]);
 }
 
+typedef struct box_job
+{
+  const chi_grid* grid;
+  double bounds[PARTS][6];
+} box_job;
+
 static void find_bounds(void* data, size_t begin, size_t end)
 {
-  const sort_job* const s = (const sort_job*)data;
-  const size_t n = s->job->grid.points;
+  box_job* const s = (box_job*)data;
+  const size_t n = s->grid->points;
   for (size_t part = begin; part < end; ++part)
   {
     double* const b = s->bounds[part];
@@ -70,7 +75,7 @@ static void find_bounds(void* data, size_t begin, size_t end)
     for (size_t i = n / PARTS * part; i < (part + 1 < PARTS ? n / PARTS * (part + 1) : n); ++i)
     {
       double x[3];
-      chi_grid_point(&s->job->grid, i, x);
+      chi_grid_point(s->grid, i, x);
       for (int a = 0; a < 3; ++a)
       {
         /* infinite ones would leave no scale; their cells are left out anyway */
@@ -79,6 +84,24 @@ static void find_bounds(void* data, size_t begin, size_t end)
       }
     }
   }
+}
+
+chi_status chi_scatter_find_box(const chi_scatter_job* job, double low[3], double high[3])
+{
+  box_job s = { .grid = &job->grid };
+  const chi_status status = chi_for(job->exec, PARTS, find_bounds, &s);
+  for (int a = 0; a < 3; ++a)
+  {
+    low[a] = INFINITY;
+    high[a] = -INFINITY;
+    for (size_t part = 0; part < PARTS && status == CHI_OK; ++part)
+    {
+      const double* const b = s.bounds[part] + 2 * a;
+      low[a] = b[0] < low[a] ? b[0] : low[a];
+      high[a] = b[1] > high[a] ? b[1] : high[a];
+    }
+  }
+  return status;
 }
 
 /* Points of cells further on, which may be anywhere. */
@@ -185,22 +208,15 @@ static chi_status sort_pass(sort_job* s)
 
 static chi_status sort_cells(sort_job* s)
 {
-  double bounds[6] = { INFINITY, -INFINITY, INFINITY, -INFINITY, INFINITY, -INFINITY };
-  chi_status status = chi_for(s->job->exec, PARTS, find_bounds, s);
+  double high[3];
+  chi_status status = chi_scatter_find_box(s->job, s->low, high);
   if (status != CHI_OK)
   {
     return status;
   }
   for (int a = 0; a < 3; ++a)
   {
-    for (size_t part = 0; part < PARTS; ++part)
-    {
-      const double* const b = s->bounds[part] + 2 * a;
-      bounds[2 * a] = b[0] < bounds[2 * a] ? b[0] : bounds[2 * a];
-      bounds[2 * a + 1] = b[1] > bounds[2 * a + 1] ? b[1] : bounds[2 * a + 1];
-    }
-    const double size = bounds[2 * a + 1] - bounds[2 * a];
-    s->low[a] = bounds[2 * a];
+    const double size = high[a] - s->low[a];
     s->scale[a] = size > 0 && isfinite(size) ? ((1 << AXIS_BITS) - 0.001) / size : 0;
   }
   status = chi_for(s->job->exec, PARTS, make_keys, s);
@@ -253,15 +269,20 @@ chi_status chi_scatter_sort(chi_scatter_job* job)
   const chi_exec* const exec = keep->has_exec ? &keep->exec : NULL;
   const uint32_t switches = job->params.switches;
   job->order = NULL;
+  job->corners = NULL;
   if (job->grid.view.kind != CHI_GRID_UNSTRUCTURED || job->grid.cells < 2 * CHI_SCATTER_RUN ||
     switches & CHI_SCATTERPLOT_NO_SORT || job->input.association == CHI_SCATTERPLOT_CELLS)
   {
     return CHI_OK;
   }
   const uint64_t version = job->grid.view.version;
-  if (version && version == keep->order_version && keep->order.data)
+  /* weights of cells need their numbers */
+  const int has_corners = job->is_uniform &&
+    !(job->input.weight.data && job->input.weight_association == CHI_SCATTERPLOT_CELLS);
+  if (version && version == keep->order_version && has_corners == keep->order_has_corners)
   {
-    job->order = (const uint32_t*)keep->order.data;
+    job->order = has_corners ? NULL : (const uint32_t*)keep->order.data;
+    job->corners = has_corners ? (const uint32_t(*)[4])keep->order.data : NULL;
     return CHI_OK;
   }
   if (!(switches & CHI_SCATTERPLOT_ALWAYS_SORT) && !is_scattered(job))
@@ -269,17 +290,24 @@ chi_status chi_scatter_sort(chi_scatter_job* job)
     return CHI_OK;
   }
   keep->order_version = 0;
+  keep->order_has_corners = has_corners;
+  if (has_corners)
+  {
+    chi_buffer_free(exec, &keep->masses);
+    const chi_status status = chi_scatter_sort_corners(job);
+    keep->order_version = status == CHI_OK ? version : 0;
+    return status;
+  }
   chi_buffer other = { 0 }, small = { 0 };
   sort_job s = { .job = job };
   chi_status status = CHI_ERROR_OUT_OF_MEMORY;
   if (chi_buffer_reserve(exec, &keep->order, job->grid.cells, sizeof(entry)) &&
     chi_buffer_reserve(exec, &other, job->grid.cells, sizeof(entry)) &&
-    chi_buffer_reserve(exec, &small, PARTS, sizeof *s.counts + sizeof *s.bounds))
+    chi_buffer_reserve(exec, &small, PARTS, sizeof *s.counts))
   {
     s.from = (entry*)keep->order.data;
     s.to = (entry*)other.data;
     s.counts = (size_t(*)[BUCKETS])small.data;
-    s.bounds = (double(*)[6])(void*)(s.counts + PARTS);
     status = sort_cells(&s);
   }
   if (status == CHI_OK) /* two passes: in place, the cells alone */

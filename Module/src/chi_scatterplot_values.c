@@ -124,7 +124,7 @@ void chi_scatter_gather(const chi_array_view* values, int32_t component, const u
 void chi_scatter_map(const chi_scatter_plot* plot, int axis, double* values, size_t count)
 {
   const double low = plot->low[axis], scale = plot->scale[axis], snap = plot->snap;
-  const double far = 0x1p200; /* what lies there is beyond the plot, and its ratios are finite */
+  const double far = CHI_SCATTER_FAR;
   for (size_t i = 0; i < count; ++i)
   {
     double x = (values[i] - low) * scale;

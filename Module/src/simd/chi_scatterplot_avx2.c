@@ -3,5 +3,5 @@
 #include "chi_scatterplot_kernels.inl"
 #include "chi_scatterplot_splat.inl"
 
-const chi_scatter_kernels chi_scatter_kernels_avx2 = { brick, classify, edges, flush, sections,
-  straddling };
+const chi_scatter_kernels chi_scatter_kernels_avx2 = { brick, classify, edges, flush, map, extremes,
+  sections, straddling };

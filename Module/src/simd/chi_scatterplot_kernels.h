@@ -53,6 +53,9 @@ typedef struct chi_scatter_plot
   int32_t no_edges, no_one_bin; /* switches for tests */
 } chi_scatter_plot;
 
+/* In bins: what lies there is beyond the plot, and its ratios are finite. */
+#define CHI_SCATTER_FAR 0x1p200
+
 /* An edge that carries the second derivative of a density: `weight` times its |y_k - y_l| per unit
  * of y. */
 typedef struct chi_scatter_edge
@@ -110,13 +113,17 @@ typedef struct chi_scatter_kernels
    * Masses of absolute value `clean` and less are left out; the sum of the others returns. */
   int64_t (*flush)(
     const chi_scatter_plot* plot, const chi_scatter_tile* tile, double clean, int64_t* bins);
+  /* Values of a field into units of bins, in place; of fewer than 8 more too. */
+  void (*map)(const chi_scatter_plot* plot, int axis, double* values, size_t count);
+  /* The least and the largest value; 0 where one is not finite. */
+  int (*extremes)(const double* values, size_t count, double* low, double* high);
   /* Deposit a triangle (3 corners) or a tetrahedron (4) of any shape. */
   void (*sections)(const chi_scatter_plot* plot, chi_scatter_sink* sink, int corners,
     const double* x, const double* y, double mass);
   /* Cells of a brick that span `size` bins or less along both axes, and that a line between bins of
    * one axis crosses: bits of each row of cells. */
-  void (*straddling)(const chi_scatter_plot* plot, const chi_scatter_brick* brick, double size,
-    uint8_t* rows);
+  void (*straddling)(
+    const chi_scatter_plot* plot, const chi_scatter_brick* brick, double size, uint8_t* rows);
 } chi_scatter_kernels;
 
 extern const chi_scatter_kernels chi_scatter_kernels_generic;

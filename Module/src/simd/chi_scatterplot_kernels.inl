@@ -26,6 +26,45 @@
 
 #include "chi_scatterplot_sections.inl"
 
+/* ---- values */
+
+static void map(const chi_scatter_plot* plot, int axis, double* values, size_t count)
+{
+  const v8 low = v8_set(plot->low[axis]), scale = v8_set(plot->scale[axis]);
+  const v8 snap = v8_set(plot->snap), far = v8_set(CHI_SCATTER_FAR);
+  for (size_t i = 0; i < count; i += 8)
+  {
+    const v8 x = v8_max(v8_min((v8_load(values + i) - low) * scale, far), -far);
+    v8_store(values + i, (x + snap) - snap);
+  }
+}
+
+static int extremes(const double* values, size_t count, double* low, double* high)
+{
+  v8 l = v8_set(INFINITY), h = v8_set(-INFINITY), zero = v8_set(0);
+  for (size_t i = 0; i < count; i += 8)
+  {
+    v8 v = v8_load(values + i);
+    if (count - i < 8)
+    {
+      v = v8_select(m8_first((int)(count - i)), v, v8_set(values[i]));
+    }
+    l = v8_min(v, l);
+    h = v8_max(v, h);
+    zero += v * 0;
+  }
+  *low = l[0];
+  *high = h[0];
+  double sum = zero[0];
+  for (int k = 1; k < 8; ++k)
+  {
+    *low = l[k] < *low ? l[k] : *low;
+    *high = h[k] > *high ? h[k] : *high;
+    sum += zero[k];
+  }
+  return sum == 0;
+}
+
 /* ---- how each of eight tetrahedra is deposited, and the weights of its edges */
 
 typedef struct kinds
@@ -197,34 +236,6 @@ CHI_INLINE8 v8 tail_at(double f, int shift)
     v8_fma(v8_fma(v8_load(at + 96), t, v8_load(at + 64)), t, v8_load(at + 32)), t, v8_load(at));
 }
 
-/* The tail of a point, to be shifted up by 0 ... 5: with AVX-512 the vector itself, which the next
- * row uses again. */
-#ifdef CHI_VEC8_AVX512
-typedef v8 tail;
-
-CHI_INLINE8 tail tail_of(double f)
-{
-  return tail_at(f, 0);
-}
-
-CHI_INLINE8 v8 tail_up(tail t, int shift)
-{
-  return (v8)_mm512_maskz_expand_pd((__mmask8)(0xff << shift), (__m512d)t);
-}
-#else
-typedef double tail;
-
-CHI_INLINE8 tail tail_of(double f)
-{
-  return f;
-}
-
-CHI_INLINE8 v8 tail_up(tail t, int shift)
-{
-  return tail_at(t, shift);
-}
-#endif
-
 /* Mass m spread evenly from fraction a to fraction b of one bin: (2) with the means of f and f^2;
  * one bin further up with `up`. */
 CHI_INLINE8 v4 spread(double m, double a, double b, int up)
@@ -236,50 +247,147 @@ CHI_INLINE8 v4 spread(double m, double a, double b, int up)
   return (whole + by_f * f + by_f2 * f2) * m;
 }
 
+/* The tail of a point: with AVX-512 the vector itself, which the next row uses again. */
+#ifdef CHI_VEC8_AVX512
+typedef v8 tail;
+
+CHI_INLINE8 tail tail_of(double f)
+{
+  return tail_at(f, 0);
+}
+
+/* Rate times what lies between two points: row[0] is the bin of the left one, that of the right one
+ * is `bins` further. */
+CHI_INLINE8 void deposit_between(double* row, double rate, tail left, tail right, int bins)
+{
+  const v8 all = v8_set(rate);
+  const __mmask8 from = (__mmask8)(bins < 8 ? 0xff << bins : 0);
+  v8_store(row, v8_fma(left - (v8)_mm512_maskz_expand_pd(from, (__m512d)right), all, v8_load(row)));
+  int t = 8;
+  for (; t + 8 <= bins; t += 8)
+  {
+    v8_store(row + t, v8_load(row + t) + all);
+  }
+  for (; t < bins + 3; t += 8)
+  {
+    const __m512i lane =
+      _mm512_sub_epi64(_mm512_setr_epi64(0, 1, 2, 3, 4, 5, 6, 7), _mm512_set1_epi64(bins - t));
+    const __mmask8 beyond = _mm512_cmpge_epi64_mask(lane, _mm512_setzero_si512());
+    const v8 taken = (v8)_mm512_maskz_permutexvar_pd(
+      beyond, _mm512_min_epi64(lane, _mm512_set1_epi64(7)), (__m512d)right);
+    v8_store(row + t, v8_fma(v8_set(1) - taken, all, v8_load(row + t)));
+  }
+}
+#else
+typedef double tail;
+
+CHI_INLINE8 tail tail_of(double f)
+{
+  return f;
+}
+
+CHI_INLINE8 void deposit_between(double* row, double rate, tail left, tail right, int bins)
+{
+  const v8 all = v8_set(rate);
+  v8_store(row, v8_fma(tail_at(left, 0) - tail_at(right, bins > 8 ? 8 : bins), all, v8_load(row)));
+  int t = 8;
+  for (; t + 8 <= bins; t += 8)
+  {
+    v8_store(row + t, v8_load(row + t) + all);
+  }
+  for (; t < bins + 3; t += 8)
+  {
+    v8_store(row + t, v8_fma(v8_set(1) - tail_at(right, bins - t), all, v8_load(row + t)));
+  }
+}
+#endif
+
 /* Below this length along x, in bins, differences of tails cancel, and moments are used. */
 #define LEAST_WIDTH (1. / 32)
 
-/* Mass m spread evenly from xa to xb, whose bins are ia and ib, in a row of second differences. */
-CHI_INLINE8 void deposit(
-  double* row, double m, double xa, int ia, tail ta, double xb, int ib, tail tb)
+/* A point of an edge where it enters or leaves a row. */
+typedef struct crossing
 {
-  const double width = xb - xa;
-  const int base = ia < ib ? ia : ib, a = ia - base, b = ib - base;
-  double* const at = row + base;
-  if (fabs(width) >= LEAST_WIDTH)
+  double x;
+  int bin;
+  tail beyond;
+} crossing;
+
+CHI_INLINE8 crossing cross_at(double x)
+{
+  const int bin = (int)x;
+  return (crossing){ x, bin, tail_of(x - bin) };
+}
+
+/* Mass m spread evenly between two points of a row of second differences. */
+CHI_INLINE8 void deposit(double* row, double m, crossing left, crossing right)
+{
+  const double width = right.x - left.x;
+  const int bins = right.bin - left.bin;
+  double* const at = row + left.bin;
+  if (width >= LEAST_WIDTH)
   {
-    const v8 rate = v8_set(m / width);
-    if (a + b <= 5)
-    {
-      v8_store(at, v8_fma(tail_up(ta, a) - tail_up(tb, b), rate, v8_load(at)));
-      return;
-    }
-    for (int t = 0; t < a + b + 3; t += 8)
-    {
-      const int sa = a - t, sb = b - t; /* beyond 8 bins before or after, tails are 0 or 1 */
-      const v8 va = tail_at(xa - ia, sa > 8 ? 8 : sa < -8 ? -8 : sa);
-      const v8 vb = tail_at(xb - ib, sb > 8 ? 8 : sb < -8 ? -8 : sb);
-      v8_store(at + t, v8_fma(va - vb, rate, v8_load(at + t)));
-    }
+    deposit_between(at, m / width, left.beyond, right.beyond, bins);
   }
-  else if (a + b == 0)
+  else if (bins == 0)
   {
-    v4_store(at, v4_load(at) + spread(m, xa - ia, xb - ia, 0));
+    v4_store(at, v4_load(at) + spread(m, left.x - left.bin, right.x - left.bin, 0));
   }
   else
   {
-    const double left = a ? xb : xa, right = a ? xa : xb; /* around the line base + 1 */
-    const double line = base + 1, before = m * ((line - left) / (right - left));
-    const v4 lower = spread(before, left - base, 1, 0);
-    const v4 upper = spread(m - before, 0, right - line, 1);
+    const double line = right.bin, before = m * ((line - left.x) / width);
+    const v4 lower = spread(before, left.x - left.bin, 1, 0);
+    const v4 upper = spread(m - before, 0, right.x - line, 1);
     v4_store(at, v4_load(at) + (lower + upper));
+  }
+}
+
+/* An edge upwards. */
+typedef struct segment
+{
+  double x0, y0, x1, y1, weight;
+} segment;
+
+/* Rows of the tile that an edge crosses; x does not fall, or does not rise, along it. */
+CHI_INLINE8 void deposit_rows(const chi_scatter_tile* tile, const segment* s, int rises)
+{
+  const int first = tile->first, end = tile->first + tile->count;
+  const double dy = s->y1 - s->y0, rate = s->weight * dy, slope = (s->x1 - s->x0) / dy;
+  int j = (int)s->y0, last = (int)s->y1;
+  last -= last > j && s->y1 == last;
+  if (j >= end || last < first)
+  {
+    return;
+  }
+  double ya = s->y0, xa = s->x0;
+  if (j < first)
+  {
+    j = first;
+    ya = first;
+    xa = s->x0 + slope * (ya - s->y0);
+    xa = rises ? (xa > s->x1 ? s->x1 : xa) : (xa < s->x1 ? s->x1 : xa);
+  }
+  crossing a = cross_at(xa);
+  double* row = tile->at + (size_t)(j - first) * tile->stride - tile->left;
+  for (; j <= last && j < end; ++j, row += tile->stride)
+  {
+    double yb = s->y1, xb = s->x1;
+    if (j < last)
+    {
+      yb = j + 1;
+      xb = s->x0 + slope * (yb - s->y0);
+      xb = rises ? (xb > s->x1 ? s->x1 : xb) : (xb < s->x1 ? s->x1 : xb);
+    }
+    const crossing b = cross_at(xb);
+    deposit(row, rate * (yb - ya), rises ? a : b, rises ? b : a);
+    a = b;
+    ya = yb;
   }
 }
 
 static void edges(const chi_scatter_tile* tile, const double* x, const double* y,
   const chi_scatter_edge* list, size_t count)
 {
-  const int first = tile->first, end = tile->first + tile->count;
   for (size_t e = 0; e < count; ++e)
   {
     size_t p = list[e].from, q = list[e].to;
@@ -288,46 +396,18 @@ static void edges(const chi_scatter_tile* tile, const double* x, const double* y
       p = list[e].to;
       q = list[e].from;
     }
-    const double x0 = x[p], y0 = y[p], x1 = x[q], y1 = y[q], dy = y1 - y0;
-    if (!(dy > 0))
+    const segment s = { x[p], y[p], x[q], y[q], list[e].weight };
+    if (!(s.y1 > s.y0))
     {
       continue;
     }
-    const double rate = list[e].weight * dy, slope = (x1 - x0) / dy;
-    const double low = x0 < x1 ? x0 : x1, high = x0 < x1 ? x1 : x0;
-    int j = (int)y0, last = (int)y1;
-    last -= last > j && y1 == last;
-    if (j >= end || last < first)
+    if (s.x0 < s.x1)
     {
-      continue;
+      deposit_rows(tile, &s, 1);
     }
-    double ya = y0, xa = x0;
-    if (j < first)
+    else
     {
-      j = first;
-      ya = first;
-      xa = x0 + slope * (ya - y0);
-      xa = xa < low ? low : xa > high ? high : xa;
-    }
-    int ia = (int)xa;
-    tail ta = tail_of(xa - ia);
-    double* row = tile->at + (size_t)(j - first) * tile->stride - tile->left;
-    for (; j <= last && j < end; ++j, row += tile->stride)
-    {
-      double yb = y1, xb = x1;
-      if (j < last)
-      {
-        yb = j + 1;
-        xb = x0 + slope * (yb - y0);
-        xb = xb < low ? low : xb > high ? high : xb;
-      }
-      const int ib = (int)xb;
-      const tail tb = tail_of(xb - ib);
-      deposit(row, rate * (yb - ya), xa, ia, ta, xb, ib, tb);
-      xa = xb;
-      ya = yb;
-      ia = ib;
-      ta = tb;
+      deposit_rows(tile, &s, 0);
     }
   }
 }
