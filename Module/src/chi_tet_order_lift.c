@@ -6,17 +6,14 @@
  * pieces that it passes increase. So they are keys. Which function, is free: |x|^2 for Delaunay
  * meshes, any quadratic form for grids, whose cells' corners |x|^2 takes to one hyperplane.
  */
-#include "chi_tet_order_internal.h"
+#include "chi_tet_order_lift.h"
 
 #include <math.h>
 
 enum
 {
-  ROUNDS = 12,      /* of the search for a form */
-  SAMPLE = 1 << 15, /* tetrahedra looked at in one of them */
-  SIZES = 64,       /* powers of 2 that planes are counted by, */
-  LEAST = -16,      /* from this one */
-  SHARE = 64        /* one plane of so many may be an outlier */
+  LEAST = -16, /* powers of 2 from this one */
+  SHARE = 64   /* one plane of so many may be an outlier */
 };
 
 /* Faces across which gradients differ by less than this share of the largest are tied: with planes
@@ -25,31 +22,6 @@ enum
 static const double TIE = 0x1p-24;
 /* Of outliers, whose keys are known to 2^-20 of their own size. */
 static const double FAR_TIE = 0x1p-14;
-
-typedef struct part /* what a chunk finds */
-{
-  double low[4], high[4]; /* of planes; or of points */
-  double covariance[6];
-  double worst, vector[6]; /* the constraint that is least fulfilled, of length 1 */
-  int64_t tied, wrong, flat, far;
-  uint32_t sizes[SIZES]; /* planes from a power of 2 to the next */
-} part;
-
-typedef struct lift_job
-{
-  const chi_tet_mesh_view* mesh;
-  const uint32_t* neighbors;
-  chi_order_lift* lift;
-  part* parts;
-  size_t stride; /* of the sample */
-  int searches;  /* for the worst constraint, in place of counting ties */
-  double tie;
-  double radius, cut; /* of the mesh in the lift's coordinates; planes beyond it are outliers */
-  double middle[4], inverse[4]; /* plane to integers */
-  uint32_t* pairs;              /* those of tied faces, from starts of chunks; NULL */
-  size_t starts[CHI_ORDER_CHUNKS];
-  size_t* far; /* [chunks] outliers */
-} lift_job;
 
 /* A tetrahedron in the lift's coordinates, with what its plane is made of. */
 typedef struct simplex
@@ -68,25 +40,6 @@ void chi_order_lower(const chi_order_lift* lift, const double x[3], double y[3])
     y[k] =
       lift->frame[3 * k] * d[0] + lift->frame[3 * k + 1] * d[1] + lift->frame[3 * k + 2] * d[2];
   }
-}
-
-static void squares(const double y[3], double q[6])
-{
-  for (int k = 0; k < 3; ++k)
-  {
-    q[k] = y[k] * y[k];
-    q[3 + k] = y[k] * y[(k + 1) % 3];
-  }
-}
-
-static double dot(const double* a, const double* b, int n)
-{
-  double sum = 0;
-  for (int k = 0; k < n; ++k)
-  {
-    sum += a[k] * b[k];
-  }
-  return sum;
 }
 
 static double height(const chi_order_lift* lift, size_t vertex, const double y[3])
@@ -138,40 +91,6 @@ static int raise_simplex(
       s->volume;
   }
   return fabs(s->volume) > 16 * 0x1p-53 * s->most; /* else its sign is not known */
-}
-
-static void find_frame(void* data, size_t begin, size_t end)
-{
-  const lift_job* const it = (const lift_job*)data;
-  const size_t chunk = chi_order_chunk(it->mesh->count);
-  for (size_t c = begin; c < end; ++c)
-  {
-    part* const p = it->parts + c;
-    for (size_t t = c * chunk; t < it->mesh->count && t < (c + 1) * chunk; ++t)
-    {
-      double x[4][3], sum = 0;
-      chi_order_corners(it->mesh, t, x);
-      for (int i = 0; i < 12; ++i)
-      {
-        sum += 0 * x[i / 3][i % 3];
-      }
-      for (int i = 0; sum == 0 && i < 4; ++i) /* one that is not finite has no say */
-      {
-        double e[3], q[6];
-        for (int k = 0; k < 3; ++k)
-        {
-          p->low[k] = x[i][k] < p->low[k] ? x[i][k] : p->low[k];
-          p->high[k] = x[i][k] > p->high[k] ? x[i][k] : p->high[k];
-          e[k] = x[i][k] - x[0][k];
-        }
-        squares(e, q);
-        for (int k = 0; k < 6; ++k)
-        {
-          p->covariance[k] += q[k];
-        }
-      }
-    }
-  }
 }
 
 static void find_plane(const simplex* s, double plane[4])
@@ -284,7 +203,7 @@ static double constrain(const simplex* s, const double y[3], double q[6])
   return sqrt(dot(q, q, 6));
 }
 
-static void judge_faces(void* data, size_t begin, size_t end)
+void chi_lift_judge_faces(void* data, size_t begin, size_t end)
 {
   const lift_job* const it = (const lift_job*)data;
   const size_t n = it->mesh->count, chunk = chi_order_chunk(n);
@@ -433,7 +352,7 @@ static part add_up(const lift_job* job)
   return sum;
 }
 
-static chi_status run(const chi_exec* exec, lift_job* job, chi_range_fn body, part* sum)
+chi_status chi_lift_run(const chi_exec* exec, lift_job* job, chi_range_fn body, part* sum)
 {
   clear(job);
   const chi_status status = chi_for(exec, CHI_ORDER_CHUNKS, body, job);
@@ -441,98 +360,12 @@ static chi_status run(const chi_exec* exec, lift_job* job, chi_range_fn body, pa
   return status;
 }
 
-/* Coordinates in which edges are as long one way as another, and |x|^2 in them. */
-static void set_frame(chi_order_lift* lift, const part* p, size_t count)
-{
-  /* Cholesky: covariance = l l^T, rows below the diagonal; where it vanishes, as in flat meshes,
-   * any length does */
-  double l[9] = { 0 }, a[9];
-  const double trace = p->covariance[0] + p->covariance[1] + p->covariance[2];
-  const double least = trace > 0 ? 1e-12 * trace : 1;
-  for (int i = 0; i < 3; ++i)
-  {
-    lift->center[i] = p->low[i] <= p->high[i] ? 0.5 * p->low[i] + 0.5 * p->high[i] : 0;
-    a[4 * i] = p->covariance[i];
-    a[3 * i + (i + 1) % 3] = a[3 * ((i + 1) % 3) + i] = p->covariance[3 + i];
-  }
-  for (int i = 0; i < 3; ++i)
-  {
-    for (int j = 0; j <= i; ++j)
-    {
-      double s = a[3 * i + j];
-      for (int k = 0; k < j; ++k)
-      {
-        s -= l[3 * i + k] * l[3 * j + k];
-      }
-      l[3 * i + j] = i == j ? sqrt(s > least ? s : least) : s / l[4 * j];
-    }
-  }
-  const double unit = sqrt(3.0 * (double)count);
-  for (int j = 0; j < 3; ++j)
-  {
-    for (int i = 0; i < 3; ++i)
-    {
-      double s = i == j;
-      for (int k = 0; k < i; ++k)
-      {
-        s -= l[3 * i + k] / unit * lift->frame[3 * k + j];
-      }
-      lift->frame[3 * i + j] = s / (l[4 * i] / unit);
-    }
-  }
-  for (int k = 0; k < 3; ++k)
-  {
-    const int m = (k + 1) % 3;
-    lift->form[k] = lift->form[3 + k] = 0;
-    for (int i = 0; i < 3; ++i)
-    {
-      lift->form[k] += l[3 * i + k] * l[3 * i + k] / (unit * unit);
-      lift->form[3 + k] += 2 * l[3 * i + k] * l[3 * i + m] / (unit * unit);
-    }
-  }
-}
-
-/* The point of the vectors' convex hull that is nearest to the origin: as a form, the one whose
- * least product with a vector is greatest for its length. Source: Gilbert, "An Iterative Procedure
- * for Computing the Minimum of a Quadratic Form on a Convex Set", 1966. */
-static double separate(const double (*vectors)[6], size_t count, double form[6])
-{
-  memcpy(form, vectors[0], sizeof vectors[0]);
-  for (int step = 0; step < 4000; ++step)
-  {
-    size_t worst = 0;
-    double least = INFINITY;
-    for (size_t i = 0; i < count; ++i)
-    {
-      const double product = dot(form, vectors[i], 6);
-      worst = product < least ? i : worst;
-      least = product < least ? product : least;
-    }
-    const double square = dot(form, form, 6);
-    if (square - least <= 1e-3 * square)
-    {
-      break;
-    }
-    double to[6], share;
-    for (int k = 0; k < 6; ++k)
-    {
-      to[k] = vectors[worst][k] - form[k];
-    }
-    share = (square - least) / dot(to, to, 6);
-    for (int k = 0; k < 6; ++k)
-    {
-      form[k] += (share < 1 ? share : 1) * to[k];
-    }
-  }
-  return sqrt(dot(form, form, 6));
-}
-
 /* The largest gradient, for what a tie is; outliers apart: flat cells at the hull, whose spheres
  * are huge, would leave few bits to the others. */
 static chi_status measure(const chi_exec* exec, lift_job* job, part* planes)
 {
   job->cut = INFINITY;
-  chi_status status = run(exec, job, find_planes, planes);
+  chi_status status = chi_lift_run(exec, job, find_planes, planes);
   int top = SIZES - 1, last;
   while (top > 0 && planes->sizes[top] == 0)
   {
@@ -546,7 +379,7 @@ static chi_status measure(const chi_exec* exec, lift_job* job, part* planes)
   if (status == CHI_OK && last < top - 1) /* two bits or more to gain */
   {
     job->cut = ldexp(1, last + 1 + LEAST);
-    status = run(exec, job, find_planes, planes);
+    status = chi_lift_run(exec, job, find_planes, planes);
   }
   double most = 0;
   for (int k = 0; k < 3; ++k)
@@ -557,63 +390,12 @@ static chi_status measure(const chi_exec* exec, lift_job* job, part* planes)
   return status;
 }
 
-/* A form whose lift is strictly convex across all faces of the sample, then across those of all
- * that fail: vectors of failing faces are gathered until one form separates them. 0: none. */
-static chi_status search(const chi_exec* exec, lift_job* job, double form[6], int* found)
-{
-  static const size_t most = ROUNDS * CHI_ORDER_CHUNKS;
-  chi_buffer gathered = { 0 };
-  if (!chi_buffer_reserve(exec, &gathered, most, 6 * sizeof(double)))
-  {
-    return CHI_ERROR_OUT_OF_MEMORY;
-  }
-  double(*const vectors)[6] = (double(*)[6])gathered.data;
-  size_t count = 0;
-  chi_status status = CHI_OK;
-  *found = 0;
-  job->searches = 1;
-  for (int round = 0; round < ROUNDS && status == CHI_OK; ++round)
-  {
-    part sum;
-    job->stride = round < ROUNDS - 3 && !*found ? job->mesh->count / SAMPLE + 1 : 1;
-    status = run(exec, job, judge_faces, &sum);
-    if (count && sum.worst > 1e-9) /* separates by far more than the vectors' rounding */
-    {
-      if (*found)
-      {
-        break;
-      }
-      *found = 1;
-      continue; /* and the rest of the faces? */
-    }
-    const size_t had = count;
-    for (size_t c = 0; c < CHI_ORDER_CHUNKS; ++c)
-    {
-      if (job->parts[c].worst < 0.5 * fabs(sum.worst) + 1e-3)
-      {
-        memcpy(vectors[count++], job->parts[c].vector, sizeof vectors[0]);
-      }
-    }
-    *found = *found && count > had;
-    if (count == had || separate((const double(*)[6])vectors, count, job->lift->form) < 1e-7)
-    {
-      *found = 0;
-      break;
-    }
-  }
-  memcpy(form, job->lift->form, 6 * sizeof *form);
-  job->stride = 1;
-  job->searches = 0;
-  chi_buffer_free(exec, &gathered);
-  return status;
-}
-
 static chi_status judge(const chi_exec* exec, lift_job* job, part* planes, part* faces)
 {
   chi_status status = measure(exec, job, planes);
   if (status == CHI_OK)
   {
-    status = run(exec, job, judge_faces, faces);
+    status = chi_lift_run(exec, job, chi_lift_judge_faces, faces);
   }
   return status;
 }
@@ -635,7 +417,7 @@ static chi_status gather_ties(
   }
   part sum;
   job->pairs = (uint32_t*)pairs.data;
-  chi_status status = run(exec, job, judge_faces, &sum);
+  chi_status status = chi_lift_run(exec, job, chi_lift_judge_faces, &sum);
   job->pairs = NULL;
   if (status == CHI_OK)
   {
@@ -657,12 +439,12 @@ chi_status chi_order_lift_find(const chi_exec* exec, chi_order_lift* lift,
     .parts = parts,
     .stride = 1,
     .far = far };
-  chi_status status = run(exec, &job, find_frame, &sum);
+  chi_status status = chi_lift_run(exec, &job, chi_lift_find_frame, &sum);
   if (status != CHI_OK)
   {
     return status;
   }
-  set_frame(lift, &sum, mesh->count);
+  chi_lift_set_frame(lift, &sum, mesh->count);
   for (int corner = 0; corner < 8; ++corner)
   {
     double x[3], y[3];
@@ -689,7 +471,7 @@ chi_status chi_order_lift_find(const chi_exec* exec, chi_order_lift* lift,
     double first[6], form[6];
     int found = 0;
     memcpy(first, lift->form, sizeof first);
-    status = search(exec, &job, form, &found);
+    status = chi_lift_search(exec, &job, form, &found);
     int has_heights = 0;
     if (status == CHI_OK && general > 1 && !found && planes.flat == 0)
     {
