@@ -145,4 +145,33 @@ void chi_cell_choose(chi_grid_cell* cell, chi_cell_split* split);
 size_t chi_cell_write(
   const chi_grid_cell* cell, int way, uint32_t center_id, uint32_t (*vertices)[4]);
 
+/* ---- cells of two dimensions (chi_grid_polygon.c) */
+
+typedef struct chi_polygon_type chi_polygon_type;
+
+typedef struct chi_grid_polygon
+{
+  const chi_polygon_type* type; /* NULL: a strip or a polygon */
+  int is_strip;
+  const int64_t* ids; /* [count] of its points */
+  size_t count, triangles;
+  int64_t own[4];  /* ids of a structured grid's cell */
+  double whole[3]; /* chi_polygon_locate: twice its vector area */
+} chi_grid_polygon;
+
+/* Whether cells of a type are cut into triangles. */
+int chi_polygon_has_type(int vtk_type);
+/* Triangles of a polygonal cell of `count` points, at most. */
+size_t chi_polygon_most(int vtk_type, size_t count);
+/* Ids, checked; CHI_CELL_... The polygon may point into itself. */
+int chi_polygon_read(const chi_grid* grid, size_t index, chi_grid_polygon* polygon);
+/* A triangle of those that it is cut into, as places among its points. */
+void chi_polygon_triangle(const chi_grid_polygon* polygon, size_t t, size_t corner[3]);
+/* Which way it is turned; 0 where a coordinate is not finite. */
+int chi_polygon_locate(const chi_grid* grid, chi_grid_polygon* polygon);
+/* Area and points of a triangle, once the polygon is located; negative where a polygon's triangle
+ * is turned against the whole, so that one that is not convex has its own area. */
+double chi_polygon_area(
+  const chi_grid* grid, const chi_grid_polygon* polygon, size_t t, double x[3][3]);
+
 #endif

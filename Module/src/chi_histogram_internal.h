@@ -111,9 +111,6 @@ void chi_histogram_fill_brick(const chi_histogram_plan* plan, size_t index,
 int chi_histogram_plan_lattice(chi_histogram_plan* plan);
 
 /* Cells of two dimensions (chi_histogram_polygon.c). */
-int chi_polygon_has_type(int vtk_type);
-/* Triangles of a polygonal cell of `count` points, at most. */
-size_t chi_polygon_most(int vtk_type, size_t count);
 /* Append a cell's triangles, or with a field of cells its area; CHI_CELL_... */
 int chi_histogram_add_polygon(
   const chi_histogram_plan* plan, size_t index, chi_histogram_block* block);

@@ -208,8 +208,6 @@ double chi_scatter_weight(
   const chi_scatter_job* job, size_t cell, const int64_t* ids, size_t count);
 /* Triangles of a polygonal cell into the block; CHI_CELL_... */
 int chi_scatter_add_polygon(chi_scatter_job* job, chi_scatter_worker* worker, size_t cell);
-/* Whether cells of a type are cut into triangles. */
-int chi_scatter_is_polygon(int vtk_type);
 /* Area of a polygonal cell, and its weight. */
 int chi_scatter_measure_polygon(
   const chi_scatter_job* job, size_t cell, double* area, double* weight);

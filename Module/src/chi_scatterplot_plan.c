@@ -139,7 +139,7 @@ chi_status chi_scatter_look_at_types(chi_scatter_job* job)
   {
     if (t.is_there[type])
     {
-      const int d = chi_cell_type_of(type) || type == 42 ? 3 : chi_scatter_is_polygon(type) ? 2 : 0;
+      const int d = chi_cell_type_of(type) || type == 42 ? 3 : chi_polygon_has_type(type) ? 2 : 0;
       job->dimension = d > job->dimension ? d : job->dimension;
     }
   }
