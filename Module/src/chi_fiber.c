@@ -33,6 +33,7 @@ void chi_fiber_destroy(const chi_exec* exec, chi_fiber* fiber)
     chi_fiber_pairs_free(exec, &fiber->pairs);
     chi_fiber_parts_free(exec, &fiber->parts);
     chi_fiber_components_free(exec, &fiber->components);
+    chi_fiber_enclosed_free(exec, &fiber->enclosed);
     chi_free(exec, fiber, 1, sizeof *fiber);
   }
 }
@@ -179,6 +180,7 @@ chi_status chi_fiber_extract(
     f->has_surface = 1;
     return CHI_OK;
   }
+  f->enclosed.is_ready = 0;
   const chi_fiber_polygon next = f->next;
   f->next = f->polygon;
   f->polygon = next;

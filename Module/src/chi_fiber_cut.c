@@ -14,16 +14,10 @@
 
 #include <math.h>
 
-/* Corners of sections, as edges between corners of a tetrahedron, by which of these are on the
- * left. Right-handed tetrahedra show them counterclockwise to who looks from the right side. */
-typedef struct section
-{
-  uint8_t count, edge[4][2];
-} section;
-
-static const section sections[16] = { { 0, { { 0 } } }, { 3, { { 0, 1 }, { 0, 2 }, { 0, 3 } } },
-  { 3, { { 1, 0 }, { 1, 3 }, { 1, 2 } } }, { 4, { { 0, 2 }, { 0, 3 }, { 1, 3 }, { 1, 2 } } },
-  { 3, { { 2, 0 }, { 2, 1 }, { 2, 3 } } }, { 4, { { 0, 3 }, { 0, 1 }, { 2, 1 }, { 2, 3 } } },
+const chi_fiber_section chi_fiber_sections[16] = { { 0, { { 0 } } },
+  { 3, { { 0, 1 }, { 0, 2 }, { 0, 3 } } }, { 3, { { 1, 0 }, { 1, 3 }, { 1, 2 } } },
+  { 4, { { 0, 2 }, { 0, 3 }, { 1, 3 }, { 1, 2 } } }, { 3, { { 2, 0 }, { 2, 1 }, { 2, 3 } } },
+  { 4, { { 0, 3 }, { 0, 1 }, { 2, 1 }, { 2, 3 } } },
   { 4, { { 1, 0 }, { 1, 3 }, { 2, 3 }, { 2, 0 } } }, { 3, { { 3, 0 }, { 3, 1 }, { 3, 2 } } },
   { 3, { { 3, 0 }, { 3, 2 }, { 3, 1 } } }, { 4, { { 0, 1 }, { 0, 2 }, { 3, 2 }, { 3, 1 } } },
   { 4, { { 1, 2 }, { 1, 0 }, { 3, 0 }, { 3, 2 } } }, { 3, { { 2, 0 }, { 2, 3 }, { 2, 1 } } },
@@ -155,7 +149,7 @@ static int cut(cell* c, chi_fiber_name names[CHI_FIBER_CORNERS + 2])
     c->left[k] = chi_fiber_is_left(c->segment, c->value[k], c->area + k);
     lefts |= c->left[k] << k;
   }
-  const section* const s = sections + lefts;
+  const chi_fiber_section* const s = chi_fiber_sections + lefts;
   corner corners[4];
   int inside = 0, before = 0, beyond = 0;
   for (int k = 0; k < s->count; ++k)
@@ -239,7 +233,8 @@ static int find_normal(const cell* c, double normal[3])
 }
 
 /* A job's point of this name, perhaps a new one. */
-static uint32_t find_point(chi_fiber_parts* parts, chi_fiber_job* own, const chi_fiber_name* name)
+uint32_t chi_fiber_find_point(
+  chi_fiber_parts* parts, chi_fiber_job* own, const chi_fiber_name* name)
 {
   uint32_t* const table = parts->table + 2 * own->first_corner;
   const size_t size = 2 * own->corners;
@@ -297,7 +292,7 @@ static void cut_pair(const cut_job* job, chi_fiber_job* own, size_t pair, size_t
   uint32_t* const out = parts->corner + own->first_corner + *corners;
   for (int k = 0; k < count; ++k)
   {
-    const uint32_t point = find_point(parts, own, names + (flip ? count - 1 - k : k));
+    const uint32_t point = chi_fiber_find_point(parts, own, names + (flip ? count - 1 - k : k));
     out[k] = point;
     for (int i = 0; parts->normal && i < 3; ++i)
     {

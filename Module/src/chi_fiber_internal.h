@@ -8,7 +8,9 @@
  * of a mesh with two fields (chi_fiber_index), the pairs of a tetrahedron and a segment that may
  * meet (chi_fiber_find), each pair's part of the surface with its points by name (chi_fiber_cut),
  * points of one name made one (chi_fiber_weld), connected parts (chi_fiber_parts), and the arrays
- * (chi_fiber_write).
+ * (chi_fiber_write). What is enclosed: its part of the plane as triangles (chi_fiber_planar), each
+ * with a tetrahedron (chi_fiber_clip), all of them (chi_fiber_enclose), the arrays
+ * (chi_fiber_enclosed).
  */
 
 #include <chiaroscuro/chi_fiber.h>
@@ -41,6 +43,7 @@ typedef struct chi_fiber_segment
   double square, per_length; /* d . d, 1 / |d| */
   uint32_t corner[2];        /* distinct corners of the polygon */
   int64_t id;                /* of the caller's */
+  uint32_t line;             /* of the caller's */
   int8_t side;               /* 1: the inside is on the left; -1 */
   int8_t tie;                /* the sign of what lies on the line */
   uint8_t is_closed;         /* of a closed line */
@@ -65,6 +68,8 @@ typedef struct chi_fiber_polygon
 chi_status chi_fiber_polygon_read(
   const chi_exec* exec, chi_fiber_polygon* polygon, const chi_lines_view* lines);
 void chi_fiber_polygon_free(const chi_exec* exec, chi_fiber_polygon* polygon);
+chi_fiber_segment chi_fiber_make_segment(
+  const chi_fiber_corner* corner, uint32_t from, uint32_t to);
 
 /* (q - p) x (x - p): positive on the left of the line from p to q. The value's sign is exact. */
 double chi_fiber_area_exact(const double p[2], const double q[2], const double x[2]);
@@ -315,6 +320,18 @@ chi_status chi_fiber_cut(const chi_exec* exec, chi_fiber_parts* parts, chi_fiber
   const chi_fiber_index* index, const chi_fiber_polygon* polygon, int with_normals);
 void chi_fiber_parts_free(const chi_exec* exec, chi_fiber_parts* parts);
 
+/* Corners of sections, as edges between corners of a tetrahedron, by which of these are on the
+ * left. Right-handed tetrahedra show them counterclockwise to who looks from the right side. */
+typedef struct chi_fiber_section
+{
+  uint8_t count, edge[4][2];
+} chi_fiber_section;
+extern const chi_fiber_section chi_fiber_sections[16];
+
+/* A job's point of this name, perhaps a new one. */
+uint32_t chi_fiber_find_point(
+  chi_fiber_parts* parts, chi_fiber_job* own, const chi_fiber_name* name);
+
 /* Whether the k-th triangle of a part, a fan from its first corner, has three corners. */
 static inline int chi_fiber_is_triangle(const uint32_t* corners, int k)
 {
@@ -353,6 +370,98 @@ static inline int chi_fiber_same(const chi_fiber_name* x, const chi_fiber_name* 
   return x->a == y->a && x->b == y->b && x->c == y->c && chi_fiber_tag(x) == chi_fiber_tag(y);
 }
 
+/* Where it lies. */
+void chi_fiber_position_of(const chi_fiber_index* index, const chi_fiber_polygon* polygon,
+  int split_corners, const chi_fiber_name* name, double place[3]);
+/* A tuple of a point array at a point that lies so, and the point of most weight. */
+void chi_fiber_carry(const chi_fiber_index* index, const chi_array_view* in,
+  const uint32_t* parents, const double* weights, int count, char* to);
+uint32_t chi_fiber_nearest_of(
+  const chi_fiber_index* index, const uint32_t* parents, const double* weights, int count);
+
+/* ---- the inside ---- */
+
+/* By points: whether a closed line's segments turn about their values, by even and odd. */
+chi_status chi_fiber_find_inside(const chi_exec* exec, const chi_fiber_index* index,
+  const chi_fiber_polygon* polygon, uint8_t* inside);
+/* Whether a tetrahedron, given with its cell, is not left out. */
+int chi_fiber_is_usable(const chi_fiber_index* index, size_t cell, const uint32_t v[4]);
+
+/* A triangle of the inside, counterclockwise; segment k runs from corner k to the next, or back. */
+typedef struct chi_fiber_triangle
+{
+  uint32_t corner[3], segment[3];
+  uint8_t is_flipped[3];
+} chi_fiber_triangle;
+
+/* The inside as triangles that share whole sides. */
+typedef struct chi_fiber_pieces
+{
+  chi_fiber_polygon polygon; /* of their sides; closed: those of one triangle alone */
+  chi_fiber_triangle* triangle;
+  int32_t (*beside)[2]; /* [segments] triangles on the left and on the right, -1: none */
+  size_t triangles;
+  chi_buffer triangle_buffer, beside_buffer;
+} chi_fiber_pieces;
+
+chi_status chi_fiber_pieces_make(
+  const chi_exec* exec, chi_fiber_pieces* pieces, const chi_fiber_polygon* lines);
+void chi_fiber_pieces_free(const chi_exec* exec, chi_fiber_pieces* pieces);
+
+/* What a tetrahedron has in common with a triangle of the fields' plane: a convex polyhedron whose
+ * corners meet three faces each, as tetrahedra. */
+enum
+{
+  CHI_FIBER_CLIP_POINTS = 10, /* 2 (7 - 2) of seven faces */
+  CHI_FIBER_CLIP_CELLS = 16   /* 30 corners of faces make 16 triangles; most of them less */
+};
+
+typedef struct chi_fiber_clipped
+{
+  int points, cells;
+  chi_fiber_name name[CHI_FIBER_CLIP_POINTS]; /* where they lie in truth: some are one */
+  uint8_t cell[CHI_FIBER_CLIP_CELLS][4];      /* handed as the tetrahedron is */
+} chi_fiber_clipped;
+
+void chi_fiber_clip(const chi_fiber_index* index, const chi_fiber_pieces* pieces,
+  const uint32_t v[4], size_t triangle, chi_fiber_clipped* out);
+/* Whether a segment of the pieces passes a tetrahedron. */
+int chi_fiber_passes(
+  const chi_fiber_index* index, const chi_fiber_segment* segment, const uint32_t v[4]);
+
+typedef struct chi_fiber_enclosed
+{
+  chi_fiber_pieces pieces;
+  chi_fiber_pairs pairs, cuts; /* that may meet; jobs of what is cut, a chunk of bricks each */
+  chi_fiber_parts parts;       /* points of the jobs, and their tetrahedra as corners */
+  uint64_t* key;               /* [pairs] tetrahedron * segments + segment */
+  uint8_t* is_cut;             /* [tetrahedra / 8] */
+  uint8_t* inside;             /* [points] */
+  atomic_uchar* is_used;       /* [points] */
+  uint32_t* new_id;            /* [points] */
+  uint64_t* from;              /* [cells that were cut] the tetrahedron */
+  size_t* first_whole;         /* [blocks + 1] cells that are passed whole */
+  size_t* first_used;          /* [runs + 1] points that stay */
+  double* sums;                /* [blocks + jobs] volumes */
+  size_t blocks, vertices, points, whole, cells;
+  double volume;
+  int is_ready;
+  chi_buffer key_buffer, cut_buffer, inside_buffer, used_buffer, id_buffer, from_buffer,
+    whole_buffer, run_buffer, sum_buffer;
+} chi_fiber_enclosed;
+
+enum
+{
+  CHI_FIBER_ENCLOSED_BLOCK = 8192 /* tetrahedra of the mesh that are looked at together */
+};
+
+/* Whether a tetrahedron is passed whole; then its points and its cell. */
+int chi_fiber_is_whole(const chi_fiber_index* index, const chi_fiber_enclosed* enclosed,
+  size_t tetrahedron, uint32_t v[4], size_t* cell);
+/* Negative: it is left-handed. */
+double chi_fiber_six_volumes(const chi_fiber_index* index, const uint32_t v[4]);
+void chi_fiber_enclosed_free(const chi_exec* exec, chi_fiber_enclosed* enclosed);
+
 /* ---- connected parts ---- */
 
 typedef struct chi_fiber_components
@@ -373,6 +482,7 @@ struct chi_fiber
   chi_fiber_pairs pairs;
   chi_fiber_parts parts;
   chi_fiber_components components;
+  chi_fiber_enclosed enclosed;
   chi_fiber_sizes sizes;
   uint64_t grid_version, fields_version;
   int32_t component[2];

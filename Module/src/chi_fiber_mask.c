@@ -14,7 +14,8 @@ enum
 typedef struct mask_job
 {
   const chi_exec* exec;
-  const chi_fiber* fiber;
+  const chi_fiber_index* index;
+  const chi_fiber_polygon* polygon;
   uint8_t* inside; /* [points] */
   uint8_t* mask;
 } mask_job;
@@ -51,8 +52,8 @@ static int meets_any(const chi_fiber_polygon* polygon, const chi_fiber_range* bo
 static void look_at_runs(void* data, size_t begin, size_t end)
 {
   const mask_job* const job = (const mask_job*)data;
-  const chi_fiber_index* const x = &job->fiber->index;
-  const chi_fiber_polygon* const polygon = &job->fiber->polygon;
+  const chi_fiber_index* const x = job->index;
+  const chi_fiber_polygon* const polygon = job->polygon;
   for (size_t r = begin; r < end && !chi_is_cancelled(job->exec); ++r)
   {
     const size_t first = r * CHI_FIBER_RUN;
@@ -65,6 +66,13 @@ static void look_at_runs(void* data, size_t begin, size_t end)
       job->inside[i] = is_alike ? all : is_inside(polygon, x->values[i]);
     }
   }
+}
+
+chi_status chi_fiber_find_inside(const chi_exec* exec, const chi_fiber_index* index,
+  const chi_fiber_polygon* polygon, uint8_t* inside)
+{
+  mask_job job = { exec, index, polygon, inside, NULL };
+  return chi_for(exec, index->runs, look_at_runs, &job);
 }
 
 static int is_left_out(const chi_fiber_index* x, size_t cell, int flags)
@@ -95,10 +103,20 @@ static size_t cell_start(const chi_fiber_index* x, size_t t)
   return t;
 }
 
+int chi_fiber_is_usable(const chi_fiber_index* x, size_t cell, const uint32_t v[4])
+{
+  int flags = cell_flags(x, v[0]);
+  for (int k = 0; k < 4; ++k)
+  {
+    flags |= x->flags[v[k]];
+  }
+  return !is_left_out(x, cell, flags);
+}
+
 static void look_at_cells(void* data, size_t begin, size_t end)
 {
   const mask_job* const job = (const mask_job*)data;
-  const chi_fiber_index* const x = &job->fiber->index;
+  const chi_fiber_index* const x = job->index;
   for (size_t c = begin; c < end && !chi_is_cancelled(job->exec); ++c)
   {
     const size_t first = c * TETRAHEDRA_A_CHUNK;
@@ -107,13 +125,12 @@ static void look_at_cells(void* data, size_t begin, size_t end)
     {
       uint32_t v[4];
       const size_t cell = chi_fiber_fetch(x, t, v);
-      int inside = 0, flags = cell_flags(x, v[0]);
+      int inside = 0;
       for (int k = 0; k < 4; ++k)
       {
         inside |= job->inside[v[k]];
-        flags |= x->flags[v[k]];
       }
-      if (inside && !is_left_out(x, cell, flags))
+      if (inside && chi_fiber_is_usable(x, cell, v))
       {
         job->mask[cell] = 1;
       }
@@ -137,13 +154,13 @@ chi_status chi_fiber_mask(const chi_exec* exec, const chi_fiber* fiber, uint8_t*
     return CHI_OK;
   }
   memset(mask, 0, x->grid.cells);
-  mask_job job = { exec, fiber, (uint8_t*)chi_alloc(exec, x->points + 1, 1), mask };
+  mask_job job = { exec, x, &fiber->polygon, (uint8_t*)chi_alloc(exec, x->points + 1, 1), mask };
   if (!job.inside)
   {
     return CHI_ERROR_OUT_OF_MEMORY;
   }
   const size_t chunks = chi_grid_chunks(x->tetrahedra, TETRAHEDRA_A_CHUNK);
-  chi_status status = chi_for(exec, x->runs, look_at_runs, &job);
+  chi_status status = chi_fiber_find_inside(exec, x, job.polygon, job.inside);
   status = status == CHI_OK ? chi_for(exec, chunks, look_at_cells, &job) : status;
   for (size_t j = 0; j < fiber->pairs.jobs && status == CHI_OK; ++j)
   {

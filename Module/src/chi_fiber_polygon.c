@@ -63,7 +63,7 @@ static size_t name_points(named_point* points, size_t count, uint32_t* name, chi
   return distinct;
 }
 
-static chi_fiber_segment make_segment(const chi_fiber_corner* corner, uint32_t from, uint32_t to)
+chi_fiber_segment chi_fiber_make_segment(const chi_fiber_corner* corner, uint32_t from, uint32_t to)
 {
   chi_fiber_segment s = { .corner = { from, to }, .side = 1 };
   for (int k = 0; k < 2; ++k)
@@ -94,18 +94,19 @@ static double area_of(const chi_fiber_segment* s, size_t count)
 
 /* One line, of `count` points with these names. */
 static void add_line(
-  chi_fiber_polygon* polygon, const uint32_t* name, size_t count, int64_t first_id)
+  chi_fiber_polygon* polygon, const uint32_t* name, size_t count, int64_t first_id, uint32_t line)
 {
   const size_t first = polygon->count;
   for (size_t i = 0; i + 1 < count; ++i)
   {
-    chi_fiber_segment s = make_segment(polygon->corner, name[i], name[i + 1]);
+    chi_fiber_segment s = chi_fiber_make_segment(polygon->corner, name[i], name[i + 1]);
     if (name[i] == name[i + 1] || !(s.square > 0))
     {
       ++polygon->empty;
       continue;
     }
     s.id = first_id + (int64_t)i;
+    s.line = line;
     polygon->corner[name[i]].starts = 1;
     polygon->segment[polygon->count++] = s;
   }
@@ -171,7 +172,7 @@ chi_status chi_fiber_polygon_read(
   for (size_t l = 0; l < lines->line_count; ++l)
   {
     const int64_t first = lines->offsets[l], length = lines->offsets[l + 1] - first;
-    add_line(polygon, name + (first - begin), (size_t)length, id);
+    add_line(polygon, name + (first - begin), (size_t)length, id, (uint32_t)l);
     id += length > 0 ? length - 1 : 0;
   }
   return CHI_OK;

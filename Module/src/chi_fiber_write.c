@@ -20,16 +20,21 @@ typedef struct write_job
 
 void chi_fiber_position(const chi_fiber* fiber, const chi_fiber_name* name, double place[3])
 {
+  chi_fiber_position_of(&fiber->index, &fiber->polygon, fiber->parts.split_corners, name, place);
+}
+
+void chi_fiber_position_of(const chi_fiber_index* index, const chi_fiber_polygon* polygon,
+  int split_corners, const chi_fiber_name* name, double place[3])
+{
   uint32_t parents[3];
   double weights[3];
-  const int count = chi_fiber_locate(
-    &fiber->index, &fiber->polygon, fiber->parts.split_corners, name, parents, weights);
-  chi_fiber_place(&fiber->index, parents[0], place);
+  const int count = chi_fiber_locate(index, polygon, split_corners, name, parents, weights);
+  chi_fiber_place(index, parents[0], place);
   double first[3] = { place[0], place[1], place[2] };
   for (int k = 1; k < count; ++k)
   {
     double x[3];
-    chi_fiber_place(&fiber->index, parents[k], x);
+    chi_fiber_place(index, parents[k], x);
     for (int a = 0; a < 3; ++a)
     {
       place[a] += weights[k] * (x[a] - first[a]);
@@ -80,9 +85,8 @@ static void write_point(const write_job* job, size_t place, size_t id)
 
 /* One number of a point of the mesh, or the mean of a cell's. */
 static double value_at(
-  const write_job* job, uint32_t point, size_t component, const chi_grid_cell* center)
+  const chi_array_view* a, uint32_t point, size_t component, const chi_grid_cell* center)
 {
-  const chi_array_view* const a = job->in;
   const char* const data = (const char*)a->data + component * chi_type_size(a->type);
   if (!center)
   {
@@ -107,7 +111,7 @@ static int read_center(const chi_fiber_index* x, uint32_t point, chi_grid_cell* 
   return 1;
 }
 
-static uint32_t nearest_of(
+uint32_t chi_fiber_nearest_of(
   const chi_fiber_index* x, const uint32_t* parents, const double* weights, int count)
 {
   int most = 0;
@@ -119,23 +123,12 @@ static uint32_t nearest_of(
   return read_center(x, parents[most], &cell) ? (uint32_t)cell.ids[0] : parents[most];
 }
 
-static void write_attribute(const write_job* job, size_t place, size_t id)
+void chi_fiber_carry(const chi_fiber_index* x, const chi_array_view* a, const uint32_t* parents,
+  const double* weights, int count, char* to)
 {
-  const chi_fiber* const f = job->fiber;
-  uint32_t parents[3];
-  double weights[3];
-  const int count = chi_fiber_locate(
-    &f->index, &f->polygon, f->parts.split_corners, f->parts.name + place, parents, weights);
-  if (job->nearest)
-  {
-    job->nearest[id] = nearest_of(&f->index, parents, weights, count);
-    return;
-  }
-  const chi_array_view* const a = job->in;
-  char* const to = job->attribute + id * job->stride;
   if (a->type != CHI_F32 && a->type != CHI_F64)
   {
-    const uint32_t from = nearest_of(&f->index, parents, weights, count);
+    const uint32_t from = chi_fiber_nearest_of(x, parents, weights, count);
     memcpy(to, (const char*)a->data + from * a->stride, a->components * chi_type_size(a->type));
     return;
   }
@@ -143,7 +136,7 @@ static void write_attribute(const write_job* job, size_t place, size_t id)
   int is_center[3];
   for (int k = 0; k < count; ++k)
   {
-    is_center[k] = read_center(&f->index, parents[k], cells + k);
+    is_center[k] = read_center(x, parents[k], cells + k);
   }
   for (size_t c = 0; c < a->components; ++c)
   {
@@ -151,7 +144,7 @@ static void write_attribute(const write_job* job, size_t place, size_t id)
     for (int k = 0; k < count; ++k)
     {
       value += weights[k] > 0
-        ? weights[k] * value_at(job, parents[k], c, is_center[k] ? cells + k : NULL)
+        ? weights[k] * value_at(a, parents[k], c, is_center[k] ? cells + k : NULL)
         : 0;
     }
     if (a->type == CHI_F32)
@@ -164,6 +157,21 @@ static void write_attribute(const write_job* job, size_t place, size_t id)
       memcpy(to + c * sizeof value, &value, sizeof value);
     }
   }
+}
+
+static void write_attribute(const write_job* job, size_t place, size_t id)
+{
+  const chi_fiber* const f = job->fiber;
+  uint32_t parents[3];
+  double weights[3];
+  const int count = chi_fiber_locate(
+    &f->index, &f->polygon, f->parts.split_corners, f->parts.name + place, parents, weights);
+  if (job->nearest)
+  {
+    job->nearest[id] = chi_fiber_nearest_of(&f->index, parents, weights, count);
+    return;
+  }
+  chi_fiber_carry(&f->index, job->in, parents, weights, count, job->attribute + id * job->stride);
 }
 
 static uint32_t final_id(const chi_fiber* f, uint32_t id)

@@ -107,6 +107,42 @@ static void compare(fuzz* f, const chi_grid_view* grid, const chi_fiber_params* 
   chi_fiber_destroy(NULL, fiber);
 }
 
+/* What the lines enclose, refused where one is open. */
+static void use_enclosed(
+  fuzz* f, const chi_exec* exec, chi_fiber* fiber, const chi_array_view* in, size_t cells)
+{
+  chi_fiber_enclosed_sizes plain;
+  fuzz_before(f);
+  const chi_status status = chi_fiber_enclose(exec, fiber, &plain);
+  FUZZ_CHECK((plain.open_segments > 0) == (status == CHI_ERROR_INVALID_ARGUMENT));
+  if (status != CHI_OK)
+  {
+    fuzz_after(f, plain.open_segments > 0 ? CHI_OK : status);
+    return;
+  }
+  const size_t stride = in->components * chi_type_size(in->type);
+  double* const points = (double*)fuzz_new(f, 3 * plain.points * sizeof(double));
+  int64_t* const ids = (int64_t*)fuzz_new(f, 4 * plain.cells * sizeof(int64_t));
+  int64_t* const from = (int64_t*)fuzz_new(f, plain.cells * sizeof(int64_t));
+  const chi_fiber_enclosed_outputs out = { .struct_size = sizeof out,
+    .points = points,
+    .point_type = CHI_F64,
+    .connectivity = ids,
+    .cell_ids = from };
+  FUZZ_CHECK(chi_fiber_enclosed_write(NULL, fiber, &out) == CHI_OK);
+  FUZZ_CHECK(chi_fiber_enclosed_attribute(
+               NULL, fiber, in, fuzz_new(f, plain.points * stride), stride) == CHI_OK);
+  for (size_t i = 0; i < 3 * plain.points; ++i)
+  {
+    FUZZ_CHECK(isfinite(points[i]));
+  }
+  for (size_t i = 0; i < 4 * plain.cells; ++i)
+  {
+    FUZZ_CHECK(ids[i] >= 0 && (size_t)ids[i] < plain.points);
+    FUZZ_CHECK(from[i / 4] >= 0 && (size_t)from[i / 4] < cells);
+  }
+}
+
 static void use(fuzz* f, const chi_exec* exec, const chi_fiber* fiber, const chi_grid_view* grid,
   const chi_fiber_params* p, size_t cells)
 {
@@ -179,6 +215,7 @@ int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count)
     {
       FUZZ_CHECK(counted == CHI_OK);
       use(f, &exec, fiber, &grid, &p, counts.cells);
+      use_enclosed(f, &exec, fiber, p.fields[0], counts.cells);
     }
     else
     {

@@ -171,6 +171,82 @@ CHI_API CHI_NODISCARD chi_status chi_fiber_nearest(
 CHI_API CHI_NODISCARD chi_status chi_fiber_mask(
   const chi_exec* exec, const chi_fiber* fiber, uint8_t* mask);
 
+/** What a surface's polygon encloses. */
+typedef struct chi_fiber_enclosed_sizes
+{
+  size_t struct_size;
+  size_t points, cells;   /**< of its tetrahedra */
+  size_t whole_cells;     /**< that are the mesh's own: the first ones */
+  size_t pieces;          /**< triangles that the polygon's inside is cut into */
+  size_t open_segments;   /**< of lines that do not end where they begin */
+  double volume;          /**< of all cells */
+  uint64_t scratch_bytes; /**< that the handle holds for it, beside those of the surface */
+} chi_fiber_enclosed_sizes;
+
+/** Caller-allocated outputs; NULL members are not written. */
+typedef struct chi_fiber_enclosed_outputs
+{
+  size_t struct_size;
+  void* points;        /**< [points x 3] of point_type: those of the mesh first, ascending */
+  chi_type point_type; /**< CHI_F32 or CHI_F64 */
+  int32_t reserved;
+  int64_t* offsets;      /**< [cells + 1] */
+  int64_t* connectivity; /**< [cells x 4] right-handed tetrahedra */
+  int64_t* cell_ids;     /**< [cells] the cell of the mesh that each is a part of */
+} chi_fiber_enclosed_outputs;
+
+/**
+ * Cut out what the closed lines of the surface extracted last enclose: the part of the mesh whose
+ * values lie inside of an odd number of them (the rule of even and odd, as chi_fiber_mask), as
+ * tetrahedra that share whole faces.
+ *
+ * The inside is divided into triangles between the polygon's corners. Tetrahedra of the mesh that
+ * no side of a triangle passes are taken as they are, the others are cut along all of them: along
+ * the fiber surface, exactly, at its very points, and along the fiber surfaces of the lines between
+ * triangles. Lines that cross or run on one another are legal; where they cross is rounded to
+ * double, and bends them by as much.
+ *
+ * @param[in]     exec   host services, or NULL
+ * @param[in,out] fiber  with a surface; its grid is borrowed until the last call for this surface
+ * @param[out]    sizes  of the result, which is kept until the surface changes
+ *
+ * @retval CHI_OK
+ * @retval CHI_ERROR_INVALID_ARGUMENT  null; or a line is open: open_segments of the sizes
+ * @retval CHI_ERROR_NOT_READY         no surface
+ * @retval CHI_ERROR_OUT_OF_MEMORY     14 bytes a point, a bit a tetrahedron, about 500 a pair of a
+ * tetrahedron and a side that passes it
+ * @retval CHI_ERROR_TOO_LARGE         2^32 points and more; or lines that cross so closely that
+ * rounding never lets them end
+ * @retval CHI_ERROR_CANCELLED
+ *
+ * Precision    as of the surface; the volume is the sum of the cells' between points in double.
+ * Determinism  same bits for any number of threads and any parallel_for.
+ * Non-finite   as of the surface: such tetrahedra are left out.
+ * Cost         O(tetrahedra), and the pairs as in chi_fiber_extract; the polygon's triangles O(n^2)
+ * at most for n corners.
+ * Source       De Loera, Rambau & Santos, "Triangulations", 2010, section 4.3.1 (pulling); Sloan,
+ * "A fast algorithm for generating constrained Delaunay triangulations", 1993.
+ */
+CHI_API CHI_NODISCARD chi_status chi_fiber_enclose(
+  const chi_exec* exec, chi_fiber* fiber, chi_fiber_enclosed_sizes* sizes);
+
+/**
+ * Write what chi_fiber_enclose found.
+ *
+ * @retval CHI_OK, CHI_ERROR_INVALID_ARGUMENT (null, unknown type), CHI_ERROR_NOT_READY (nothing has
+ * been enclosed since the surface changed), CHI_ERROR_CANCELLED
+ */
+CHI_API CHI_NODISCARD chi_status chi_fiber_enclosed_write(
+  const chi_exec* exec, const chi_fiber* fiber, const chi_fiber_enclosed_outputs* outputs);
+
+/** As chi_fiber_attribute, to the points of what is enclosed. */
+CHI_API CHI_NODISCARD chi_status chi_fiber_enclosed_attribute(const chi_exec* exec,
+  const chi_fiber* fiber, const chi_array_view* in, void* out, size_t out_stride);
+
+/** As chi_fiber_nearest, of the points of what is enclosed. */
+CHI_API CHI_NODISCARD chi_status chi_fiber_enclosed_nearest(
+  const chi_exec* exec, const chi_fiber* fiber, int64_t* ids);
+
 #ifdef __cplusplus
 }
 #endif
