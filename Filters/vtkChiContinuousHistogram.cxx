@@ -7,6 +7,7 @@
 #include "vtkChiGridInput.h"
 #include "vtkChiInputTools.h"
 #include "vtkChiPolyDataGrid.h"
+#include "vtkChiReduction.h"
 #include "vtkChiViews.h"
 #include "vtkDataSet.h"
 #include "vtkDoubleArray.h"
@@ -14,7 +15,6 @@
 #include "vtkInformationVector.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
-#include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkTable.h"
 
 #include <chiaroscuro/chi_histogram.h>
@@ -38,6 +38,8 @@ struct vtkChiContinuousHistogram::Internals
   vtkMTimeType ArrayTime = 0;
   std::uint64_t Version = 0, GridVersion = 0;
   bool IsReady = false;
+  vtkSmartPointer<vtkMultiProcessController> Controller;
+  vtkSmartPointer<vtkMultiProcessController> Together; // of the last histogram, for quantiles
 
   ~Internals() { chi_histogram_destroy(nullptr, this->Handle); }
 
@@ -66,6 +68,7 @@ struct vtkChiContinuousHistogram::Internals
 vtkChiContinuousHistogram::vtkChiContinuousHistogram()
   : Internal(new Internals)
 {
+  this->Internal->Controller = vtkMultiProcessController::GetGlobalController();
 }
 
 vtkChiContinuousHistogram::~vtkChiContinuousHistogram() = default;
@@ -79,16 +82,11 @@ int vtkChiContinuousHistogram::FillInputPortInformation(int, vtkInformation* inf
   return 1;
 }
 
-// All of the input: a table has no parts.
+// All of the input: a table has no parts. Of several processes, each its piece.
 int vtkChiContinuousHistogram::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector** inputs, vtkInformationVector*)
 {
-  vtkInformation* const info = inputs[0]->GetInformationObject(0);
-  if (info->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
-  {
-    info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(),
-      info->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()), 6);
-  }
+  vtkChiRequestPiece(this->Internal->Controller, inputs[0]->GetInformationObject(0));
   return 1;
 }
 
@@ -141,6 +139,38 @@ vtkDataArray* vtkChiContinuousHistogram::FindArray(vtkDataSet* input, int& assoc
 }
 
 //------------------------------------------------------------------------------
+void vtkChiContinuousHistogram::SetController(vtkMultiProcessController* controller)
+{
+  if (this->Internal->Controller != controller)
+  {
+    this->Internal->Controller = controller;
+    this->Modified();
+  }
+}
+
+vtkMultiProcessController* vtkChiContinuousHistogram::GetController() const
+{
+  return this->Internal->Controller;
+}
+
+// Whether all processes can go on: none may wait for one that gave up.
+bool vtkChiContinuousHistogram::AllAgree(bool isGood)
+{
+  vtkMultiProcessController* const controller = this->Internal->Together;
+  double isBad = isGood ? 0 : 1;
+  if (vtkChiNumberOfProcesses(controller) > 1 && vtkChiMaxOfAll(controller, &isBad, 1))
+  {
+    vtkErrorMacro("the processes cannot be reached");
+    return false;
+  }
+  if (isGood && isBad > 0)
+  {
+    vtkErrorMacro("another process cannot go on with its piece");
+  }
+  return isBad <= 0;
+}
+
+//------------------------------------------------------------------------------
 void vtkChiContinuousHistogram::Reset()
 {
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -174,7 +204,7 @@ void vtkChiContinuousHistogram::Report(vtkDataArray* array)
   {
     vtkWarningMacro(<< r.unsupported_cells << " cells are of types that are not split");
   }
-  if (r.is_constant)
+  if (r.is_constant && array)
   {
     vtkWarningMacro(<< vtkChiDescribe(array) << " is constant, " << r.mean
                     << "; the bins are a narrow window around the value");
@@ -219,30 +249,45 @@ int vtkChiContinuousHistogram::RequestData(
     return 0;
   }
   input = internal.Polygons.Convert(input);
-  if (!internal.Grid.Collect(input))
+  internal.Together = internal.Controller;
+  const bool isPiece = vtkChiNumberOfProcesses(internal.Together) > 1;
+  const bool isThere = internal.Grid.Collect(input), isEmpty = !isThere && internal.Grid.IsEmpty();
+  if (!isThere && !isEmpty)
   {
-    if (!internal.Grid.IsEmpty())
-    {
-      vtkErrorMacro(<< internal.Grid.GetProblem());
-      return 0;
-    }
+    vtkErrorMacro(<< internal.Grid.GetProblem());
+  }
+  if (isEmpty && !isPiece)
+  {
     return 1; // an empty piece is a normal event in a streamed pipeline
   }
   int association = 0;
-  vtkDataArray* const array = this->FindArray(input, association);
-  if (!array)
+  vtkDataArray* const array = isThere ? this->FindArray(input, association) : nullptr;
+  if (!this->AllAgree(isEmpty || array))
   {
     return 0;
   }
 
-  // Borrow.
-  internal.Borrow(array);
-  internal.Input = input;
-  internal.GridVersion = internal.Grid.GetGrid()->version;
+  // Borrow; a piece without cells is an image without points.
+  chi_grid_view nothing = {};
+  nothing.struct_size = sizeof nothing;
+  nothing.kind = CHI_GRID_IMAGE;
+  const chi_array_view noValues = { nullptr, 0, 1, sizeof(double), CHI_F64 };
+  chi_histogram_reduction reduction = {};
+  reduction.struct_size = sizeof reduction;
+  reduction.user = internal.Together;
+  reduction.max_f64 = vtkChiMaxOfAll;
+  reduction.sum_i64 = vtkChiSumOfAll;
+  internal.Input = isEmpty ? nullptr : input;
+  if (!isEmpty)
+  {
+    internal.Borrow(array);
+    internal.GridVersion = internal.Grid.GetGrid()->version;
+  }
   chi_histogram_params params = {};
   params.struct_size = sizeof params;
-  params.field = internal.View->Get();
-  params.component = this->Component;
+  params.reduction = isPiece ? &reduction : nullptr;
+  params.field = isEmpty ? &noValues : internal.View->Get();
+  params.component = isEmpty ? 0 : this->Component;
   params.association = association == vtkDataObject::FIELD_ASSOCIATION_CELLS ? CHI_HISTOGRAM_CELLS
                                                                              : CHI_HISTOGRAM_POINTS;
   params.field_version = internal.Version;
@@ -267,9 +312,9 @@ int vtkChiContinuousHistogram::RequestData(
   out.cumulative = columns[4]->GetPointer(0);
   const vtkChiExec exec(this);
   chi_status status = internal.Handle ? CHI_OK : chi_histogram_create(nullptr, &internal.Handle);
-  status = status == CHI_OK
-    ? chi_histogram_compute(exec.Get(), internal.Handle, internal.Grid.GetGrid(), &params, &out)
-    : status;
+  status = status == CHI_OK ? chi_histogram_compute(exec.Get(), internal.Handle,
+                                isEmpty ? &nothing : internal.Grid.GetGrid(), &params, &out)
+                            : status;
   chi_histogram_get_result(internal.Handle, &internal.Result);
   if (status != CHI_OK)
   {
@@ -336,11 +381,16 @@ double vtkChiContinuousHistogram::GetQuantile(double share)
   {
     return quantile;
   }
-  if (!internal.Grid.Collect(internal.Input) ||
-    internal.Grid.GetGrid()->version != internal.GridVersion || !internal.IsAsItWas())
+  const bool isThere = !internal.Input ||
+    (internal.Grid.Collect(internal.Input) &&
+      internal.Grid.GetGrid()->version == internal.GridVersion && internal.IsAsItWas());
+  if (!isThere)
+  {
+    vtkErrorMacro("GetQuantile: the input has changed since the last update");
+  }
+  if (!this->AllAgree(isThere))
   {
     internal.IsReady = false; // what was lent may be gone
-    vtkErrorMacro("GetQuantile: the input has changed since the last update");
     return quantile;
   }
   const vtkChiExec exec(nullptr);

@@ -39,6 +39,7 @@
 
 class vtkDataArray;
 class vtkDataSet;
+class vtkMultiProcessController;
 
 class VTKCHIFILTERS_EXPORT vtkChiContinuousHistogram : public vtkTableAlgorithm
 {
@@ -148,6 +149,19 @@ public:
    */
   double GetQuantile(double share);
 
+  ///@{
+  /**
+   * The processes that hold the pieces, all of which update; every one gets the histogram of the
+   * whole. Null: this one holds all. Settings must be the same in all, and all of them ask for a
+   * quantile together. Ranges, masses, moments and quantiles are of the whole, the same bits in
+   * all processes and within 1e-14 of what one process gives; numbers of cells are of the own
+   * piece. Cells that two of them hold have to be marked as ghosts in one. Default: the global
+   * controller.
+   */
+  void SetController(vtkMultiProcessController* controller);
+  vtkMultiProcessController* GetController() const;
+  ///@}
+
   /**
    * How many bricks, or runs of cells, took one of the short ways (SKIP_...) in the last update;
    * of SKIP_UNCHANGED 1 if ranges were kept. 0 for anything else.
@@ -166,6 +180,7 @@ private:
   vtkChiContinuousHistogram(const vtkChiContinuousHistogram&) = delete;
   void operator=(const vtkChiContinuousHistogram&) = delete;
 
+  bool AllAgree(bool isGood);
   vtkDataArray* FindArray(vtkDataSet* input, int& association);
   void Reset();
   void Report(vtkDataArray* array);

@@ -6,12 +6,11 @@
 #include "vtkChiExec.h"
 #include "vtkChiGridInput.h"
 #include "vtkChiInputTools.h"
+#include "vtkChiReduction.h"
 #include "vtkChiViews.h"
-#include "vtkCommunicator.h"
 #include "vtkCompositeDataSet.h"
 #include "vtkDataSet.h"
 #include "vtkDoubleArray.h"
-#include "vtkExtentTranslator.h"
 #include "vtkIdList.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
@@ -29,7 +28,6 @@
 
 #include <chiaroscuro/chi_scatterplot.h>
 
-#include <algorithm>
 #include <tuple>
 
 vtkStandardNewMacro(vtkChiContinuousScatterplot);
@@ -76,38 +74,6 @@ vtkChiContinuousScatterplot::~vtkChiContinuousScatterplot() = default;
 //------------------------------------------------------------------------------
 namespace
 {
-// In place, some at a time: no second array as long as the plot.
-template <class Wire, class T>
-bool Reduce(vtkMultiProcessController* controller, T* values, size_t count, int operation)
-{
-  const size_t most = size_t{ 1 } << 16;
-  std::vector<Wire> own, all;
-  for (size_t begin = 0; begin < count; begin += most)
-  {
-    const size_t n = std::min(most, count - begin);
-    own.assign(values + begin, values + begin + n);
-    all.resize(n);
-    if (!controller->AllReduce(own.data(), all.data(), static_cast<vtkIdType>(n), operation))
-    {
-      return false;
-    }
-    std::copy(all.begin(), all.end(), values + begin);
-  }
-  return true;
-}
-
-int MaxOfAll(void* user, double* values, size_t count)
-{
-  return !Reduce<double>(
-    static_cast<vtkMultiProcessController*>(user), values, count, vtkCommunicator::MAX_OP);
-}
-
-int SumOfAll(void* user, int64_t* values, size_t count)
-{
-  return !Reduce<long long>(
-    static_cast<vtkMultiProcessController*>(user), values, count, vtkCommunicator::SUM_OP);
-}
-
 // The first of consecutive global ids of cells, or 0.
 vtkIdType GetFirstCell(vtkDataSet* input)
 {
@@ -141,15 +107,14 @@ vtkMultiProcessController* vtkChiContinuousScatterplot::GetController() const
 
 int vtkChiContinuousScatterplot::GetNumberOfProcesses() const
 {
-  vtkMultiProcessController* const controller = this->Internal->Controller;
-  return controller ? controller->GetNumberOfProcesses() : 1;
+  return vtkChiNumberOfProcesses(this->Internal->Controller);
 }
 
 // Whether all processes can go on: none may wait for one that gave up.
 bool vtkChiContinuousScatterplot::AllAgree(bool isGood)
 {
   double isBad = isGood ? 0 : 1;
-  if (this->GetNumberOfProcesses() > 1 && MaxOfAll(this->Internal->Controller, &isBad, 1))
+  if (this->GetNumberOfProcesses() > 1 && vtkChiMaxOfAll(this->Internal->Controller, &isBad, 1))
   {
     vtkErrorMacro("the processes cannot be reached");
     return false;
@@ -342,29 +307,7 @@ int vtkChiContinuousScatterplot::RequestInformation(
 int vtkChiContinuousScatterplot::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector** inputs, vtkInformationVector*)
 {
-  vtkInformation* const info = inputs[0]->GetInformationObject(0);
-  const int processes = this->GetNumberOfProcesses();
-  const int process = processes > 1 ? this->Internal->Controller->GetLocalProcessId() : 0;
-  if (processes > 1)
-  {
-    info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER(), process);
-    info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_PIECES(), processes);
-    info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
-  }
-  if (info->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
-  {
-    int extent[6];
-    info->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent);
-    if (processes > 1 && info->Has(vtkAlgorithm::CAN_PRODUCE_SUB_EXTENT()))
-    {
-      int whole[6];
-      std::copy(extent, extent + 6, whole);
-      vtkNew<vtkExtentTranslator> translator;
-      translator->PieceToExtentThreadSafe(
-        process, processes, 0, whole, extent, vtkExtentTranslator::BLOCK_MODE, 0);
-    }
-    info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(), extent, 6);
-  }
+  vtkChiRequestPiece(this->Internal->Controller, inputs[0]->GetInformationObject(0));
   return 1;
 }
 
@@ -538,8 +481,8 @@ bool vtkChiContinuousScatterplot::Plot(vtkDataSet* input, const Field fields[2],
   chi_scatterplot_reduction reduction = {};
   reduction.struct_size = sizeof reduction;
   reduction.user = internal.Controller;
-  reduction.max_f64 = MaxOfAll;
-  reduction.sum_i64 = SumOfAll;
+  reduction.max_f64 = vtkChiMaxOfAll;
+  reduction.sum_i64 = vtkChiSumOfAll;
   params.reduction = isPiece ? &reduction : nullptr;
   for (int i = 0; i < 2; ++i)
   {

@@ -61,7 +61,6 @@ void chi_histogram_get_result(const chi_histogram* h, chi_histogram_result* resu
 static chi_status make_plan(
   chi_histogram_plan* plan, const chi_grid_view* grid, const chi_histogram_params* params)
 {
-  memset(plan, 0, sizeof *plan);
   const chi_status status = chi_grid_open(&plan->grid, grid);
   if (status != CHI_OK)
   {
@@ -175,9 +174,30 @@ static void write_outputs(
   }
 }
 
-static chi_status measure(const chi_exec* exec, chi_histogram* h, const chi_histogram_plan* plan,
-  const chi_histogram_params* p)
+/* Cells of the highest dimension of all processes count. */
+static size_t leave_lower_dimensions(chi_histogram_plan* plan, int dimension)
 {
+  const size_t cells = plan->dimension < dimension ? plan->grid.cells : 0;
+  if (plan->dimension < dimension)
+  {
+    plan->dimension = dimension;
+    plan->corners = plan->association == CHI_HISTOGRAM_CELLS ? 1 : dimension + 1;
+    plan->is_lattice = 0;
+    plan->pieces = 0;
+  }
+  return cells;
+}
+
+static chi_status measure(const chi_exec* exec, chi_histogram* h, chi_histogram_plan* plan,
+  chi_status status, const chi_histogram_params* p)
+{
+  double dimension = plan->dimension;
+  status = chi_histogram_agree(plan, status, &dimension, 1);
+  if (status != CHI_OK)
+  {
+    return status;
+  }
+  const size_t lower = leave_lower_dimensions(plan, (int)dimension);
   const int known = is_known(h, plan, p);
   const int moments = known ? h->plan.moments : plan->moments;
   h->result = (chi_histogram_result){ .struct_size = sizeof h->result,
@@ -187,21 +207,19 @@ static chi_status measure(const chi_exec* exec, chi_histogram* h, const chi_hist
   h->is_ready = 0;
   h->plan = *plan;
   h->plan.moments = moments;
-  h->has_coarse &= known;
+  double is_new = !(known && h->has_coarse);
   h->result.moments = moments;
   h->result.skipped[2] = known;
-  const chi_status status = known ? CHI_OK : chi_histogram_measure(exec, h);
-  if (status == CHI_OK)
-  {
-    chi_histogram_add_up(h);
-  }
-  return status;
+  h->result.lower_dimensional_cells = lower;
+  status = chi_histogram_agree(plan, known ? CHI_OK : chi_histogram_measure(exec, h), &is_new, 1);
+  h->has_coarse = !(is_new > 0);
+  return status == CHI_OK ? chi_histogram_add_up(h) : status;
 }
 
 chi_status chi_histogram_compute(const chi_exec* exec, chi_histogram* h, const chi_grid_view* grid,
   const chi_histogram_params* given_params, const chi_histogram_outputs* given_outputs)
 {
-  chi_histogram_params params;
+  chi_histogram_params params = { .struct_size = sizeof params };
   chi_histogram_outputs outputs = { .struct_size = sizeof outputs };
   chi_histogram_plan plan;
   chi_histogram_window window;
@@ -210,9 +228,16 @@ chi_status chi_histogram_compute(const chi_exec* exec, chi_histogram* h, const c
   {
     return CHI_ERROR_INVALID_ARGUMENT;
   }
-  chi_status status = check_params(&params);
-  status = status == CHI_OK ? make_plan(&plan, grid, &params) : status;
-  status = status == CHI_OK ? measure(exec, h, &plan, &params) : status;
+  memset(&plan, 0, sizeof plan);
+  if (params.reduction &&
+    (!CHI_ADOPT(chi_histogram_reduction, sum_i64, &plan.reduction, params.reduction) ||
+      !plan.reduction.max_f64 || !plan.reduction.sum_i64))
+  {
+    return CHI_ERROR_INVALID_ARGUMENT;
+  }
+  chi_status status = check_params(&params); /* the same in all processes */
+  status =
+    status == CHI_OK ? measure(exec, h, &plan, make_plan(&plan, grid, &params), &params) : status;
   if (status != CHI_OK)
   {
     return status;
@@ -282,7 +307,7 @@ static chi_status find_coarse(const chi_exec* exec, chi_histogram* h, const doub
     int64_t skipped[CHI_HISTOGRAM_SKIP_KINDS] = { 0 };
     if (!chi_buffer_reserve(exec, &h->coarse_buffer, numbers, sizeof(double)))
     {
-      return CHI_ERROR_OUT_OF_MEMORY;
+      return chi_histogram_agree(&h->plan, CHI_ERROR_OUT_OF_MEMORY, NULL, 0);
     }
     chi_histogram_open_window(&window, range[0], range[1], COARSE_BINS);
     status = chi_histogram_fill_window(exec, h, &window, skipped);
@@ -341,7 +366,7 @@ chi_status chi_histogram_quantile(
     return CHI_OK;
   }
   const double target = share * r->total_mass, enough = 1e-13 * (high - low);
-  const double* slots;
+  const double* slots = NULL;
   size_t bins = COARSE_BINS;
   chi_status status = find_coarse(exec, h, &slots);
   while (status == CHI_OK)

@@ -144,7 +144,7 @@ chi_status chi_histogram_fill_window(const chi_exec* exec, chi_histogram* h,
   if (!chi_buffer_reserve(exec, &h->group_buffer, job.groups * job.numbers + 1, sizeof *job.sums) ||
     !chi_buffer_reserve(exec, &h->bin_buffer, job.numbers, sizeof(double)))
   {
-    return CHI_ERROR_OUT_OF_MEMORY;
+    return chi_histogram_agree(&h->plan, CHI_ERROR_OUT_OF_MEMORY, NULL, 0);
   }
   job.sums = (chi_sum*)h->group_buffer.data;
   chi_status status = job.groups > 0 ? chi_for(exec, job.groups, put_groups, &job) : CHI_OK;
@@ -168,5 +168,7 @@ chi_status chi_histogram_fill_window(const chi_exec* exec, chi_histogram* h,
     }
     out[i] = chi_sum_value(&sum);
   }
-  return status;
+  status = chi_histogram_agree(&h->plan, status, NULL, 0);
+  status = status == CHI_OK ? chi_histogram_sum(&h->plan, out, job.slots) : status;
+  return status == CHI_OK ? chi_histogram_sum(&h->plan, out + job.slots, job.slots) : status;
 }

@@ -53,6 +53,7 @@ typedef struct chi_histogram_plan
                          its sides, as long as their areas, divided by cofactor_size */
   uint16_t most[256]; /* simplices of a cell by its type; 0: to be counted */
   size_t pieces;
+  chi_histogram_reduction reduction; /* functions NULL: none */
 } chi_histogram_plan;
 
 struct chi_histogram
@@ -124,7 +125,15 @@ void chi_histogram_add_triangle(
 /* Every piece's range, mass and moments (chi_histogram_measure.c). */
 chi_status chi_histogram_measure(const chi_exec* exec, chi_histogram* histogram);
 /* Totals, mean and moments of all pieces, into the result. */
-void chi_histogram_add_up(chi_histogram* histogram);
+chi_status chi_histogram_add_up(chi_histogram* histogram);
+
+/* ---- all processes together (chi_histogram_reduce.c); without others as things are */
+
+/* The worst status, and maxima of up to three values. */
+chi_status chi_histogram_agree(
+  const chi_histogram_plan* plan, chi_status status, double* values, size_t count);
+/* Sums, to 2^-80 of the largest. */
+chi_status chi_histogram_sum(const chi_histogram_plan* plan, double* values, size_t count);
 
 /* A window over low ... high with `bins` bins; 0 where there can be none. */
 int chi_histogram_open_window(chi_histogram_window* window, double low, double high, size_t bins);

@@ -64,7 +64,8 @@ int chi_histogram_plan_lattice(chi_histogram_plan* plan)
   {
     return 1;
   }
-  double x[3], far = 0; /* a lattice is finite where the corners of its bounds are */
+  double x[3];
+  int is_tame = 1; /* a lattice is finite where the corners of its bounds are */
   for (size_t k = 0; k < 8; ++k)
   {
     const size_t* const n = v->dimensions;
@@ -73,10 +74,10 @@ int chi_histogram_plan_lattice(chi_histogram_plan* plan)
     chi_grid_implicit_point(&plan->grid, id, x);
     for (int a = 0; a < 3; ++a)
     {
-      far = fabs(x[a]) <= far ? far : fabs(x[a]); /* NaN stays */
+      is_tame &= fabs(x[a]) <= CHI_HISTOGRAM_LARGEST;
     }
   }
-  return far <= CHI_HISTOGRAM_LARGEST;
+  return is_tame;
 }
 
 static void load_widths(const chi_histogram_plan* plan, brick* b)

@@ -218,7 +218,7 @@ chi_status chi_histogram_measure(const chi_exec* exec, chi_histogram* h)
 }
 
 /* The mean, from differences to the middle of the range. */
-static double find_mean(const chi_histogram* h, double middle)
+static chi_status find_mean(chi_histogram* h, double middle)
 {
   const chi_histogram_piece* const pieces = chi_histogram_pieces(h);
   chi_sum sum = { 0, 0 };
@@ -231,11 +231,14 @@ static double find_mean(const chi_histogram* h, double middle)
       chi_sum_add(&sum, p->half * p->moment[1]);
     }
   }
-  return middle + chi_sum_value(&sum) / h->result.total_mass;
+  double rest = chi_sum_value(&sum);
+  const chi_status status = chi_histogram_sum(&h->plan, &rest, 1);
+  h->result.mean = middle + rest / h->result.total_mass;
+  return status;
 }
 
 /* Pieces' moments about the mean, in units of `half`. */
-static void find_moments(chi_histogram* h, double half)
+static chi_status find_moments(chi_histogram* h, double half)
 {
   const chi_histogram_piece* const pieces = chi_histogram_pieces(h);
   const int orders = h->plan.moments;
@@ -264,14 +267,19 @@ static void find_moments(chi_histogram* h, double half)
     }
   }
   double power = half;
-  for (int k = 2; k <= orders; ++k)
+  chi_status status = CHI_OK;
+  for (int k = 2; k <= orders && status == CHI_OK; ++k)
   {
+    double all = chi_sum_value(sum + k);
+    status = chi_histogram_sum(&h->plan, &all, 1);
     power *= half;
-    h->result.central_moments[k] = power * (chi_sum_value(sum + k) / h->result.total_mass);
+    all = k % 2 == 0 && all < 0 ? 0 : all; /* rounding, where nearly all mass has one value */
+    h->result.central_moments[k] = power * (all / h->result.total_mass);
   }
+  return status;
 }
 
-void chi_histogram_add_up(chi_histogram* h)
+chi_status chi_histogram_add_up(chi_histogram* h)
 {
   chi_histogram_result* const r = &h->result;
   const chi_histogram_piece* const pieces = chi_histogram_pieces(h);
@@ -293,9 +301,15 @@ void chi_histogram_add_up(chi_histogram* h)
     r->lower_dimensional_cells += p->lower_dimensional;
     r->unsupported_cells += p->unsupported;
   }
-  r->total_mass = chi_sum_value(&mass);
+  double masses[2] = { chi_sum_value(&mass), chi_sum_value(&singular) }, ends[2] = { -low, high };
   r->total_area = chi_sum_value(&area);
-  r->singular_mass = chi_sum_value(&singular);
+  chi_status status = chi_histogram_agree(&h->plan, CHI_OK, ends, 2);
+  status = status == CHI_OK ? chi_histogram_sum(&h->plan, masses, 2) : status;
+  status = status == CHI_OK ? chi_histogram_sum(&h->plan, &r->total_area, 1) : status;
+  low = -ends[0];
+  high = ends[1];
+  r->total_mass = masses[0];
+  r->singular_mass = masses[1];
   r->field_range[0] = low <= high ? low : 1;
   r->field_range[1] = low <= high ? high : -1;
   r->mean = NAN;
@@ -303,13 +317,14 @@ void chi_histogram_add_up(chi_histogram* h)
   {
     r->central_moments[k] = r->total_mass > 0 ? k == 0 : NAN;
   }
-  if (r->total_mass > 0)
+  if (r->total_mass > 0 && status == CHI_OK)
   {
     const double half = 0.5 * high - 0.5 * low;
-    r->mean = find_mean(h, 0.5 * low + 0.5 * high);
-    if (half > 0 && isfinite(1 / half))
+    status = find_mean(h, 0.5 * low + 0.5 * high);
+    if (half > 0 && isfinite(1 / half) && status == CHI_OK)
     {
-      find_moments(h, half);
+      status = find_moments(h, half);
     }
   }
+  return status;
 }

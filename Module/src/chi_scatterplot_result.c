@@ -112,7 +112,7 @@ void chi_scatter_write_result(const chi_scatter_job* job, const chi_scatter_mass
   {
     const double mass = (double)m->bins[i] / job->plot.unit;
     sum += mass;
-    density[i] = mass / area;
+    density[i] = mass != 0 ? mass / area : 0; /* the area may be beyond what doubles hold */
   }
   r->total_mass = m->total;
   /* what the published method loses or makes is not told from what is beyond */

@@ -5,6 +5,8 @@
 
 #include "histogram_scene.h"
 
+#include <stddef.h>
+
 enum
 {
   N = 26,
@@ -171,6 +173,78 @@ static void empty_meshes_have_no_mass(void)
   chi_histogram_destroy(NULL, NULL);
 }
 
+static void coordinates_that_are_no_numbers_leave_no_cell(void)
+{
+  for (int k = 0; k < 12; ++k)
+  {
+    chi_grid_view grid = image_of(4, 4, 4);
+    double values[64];
+    for (int i = 0; i < 64; ++i)
+    {
+      values[i] = i % 7;
+    }
+    const chi_array_view field = view_values(values, 64);
+    const chi_histogram_params params = histogram_params(&field, 4, 0, 7);
+    bins b;
+    grid.index_to_world[k] = k % 2 ? NAN : INFINITY;
+    CHECK(make_bins(&b, NULL, NULL, &grid, &params) == CHI_OK);
+    /* an infinite step is at the first point 0 times infinity */
+    CHECK(b.result.skipped_cells == 27 && b.result.total_mass == 0 && sum_of(&b) == 0);
+    drop_bins(&b);
+  }
+}
+
+static void structs_of_older_versions_are_read_as_far_as_they_go(void)
+{
+  chi_grid_view grid = image_of(4, 4, 4);
+  double values[64];
+  for (int i = 0; i < 64; ++i)
+  {
+    values[i] = i % 7;
+  }
+  const chi_array_view field = view_values(values, 64);
+  /* nothing behind it, as ASan sees */
+  const size_t bytes = offsetof(chi_histogram_params, reduction);
+  chi_histogram_params* const old = (chi_histogram_params*)malloc(bytes);
+  const chi_histogram_params params = histogram_params(&field, 4, 0, 7);
+  bins b, c;
+  memcpy(old, &params, bytes);
+  memcpy(old, &bytes, sizeof bytes);
+  CHECK(make_bins(&b, NULL, NULL, &grid, old) == CHI_OK);
+  CHECK(make_bins(&c, NULL, NULL, &grid, &params) == CHI_OK);
+  CHECK(memcmp(b.mass, c.mass, 4 * sizeof(double)) == 0);
+  drop_bins(&b);
+  drop_bins(&c);
+  free(old);
+}
+
+static void variance_of_nearly_one_value_is_not_negative(void)
+{
+  chi_grid_view grid = image_of(4, 4, 4);
+  double cells[27];
+  const chi_array_view field = view_values(cells, 27);
+  chi_histogram_params params = histogram_params(&field, 4, 0, 7);
+  params.association = CHI_HISTOGRAM_CELLS;
+  for (int k = 0; k < 27; ++k)
+  {
+    /* one cell of 1e-15 of the volume is at 7 */
+    static double axes[3][4] = { { 0, 1, 2, 3 }, { 0, 1, 2, 3 }, { 0, 1, 2, 2 + 1e-14 } };
+    bins b;
+    grid.kind = CHI_GRID_RECTILINEAR;
+    for (int a = 0; a < 3; ++a)
+    {
+      grid.axes[a] = view_values(axes[a], 4);
+    }
+    for (int i = 0; i < 27; ++i)
+    {
+      cells[i] = i == k && k >= 18 ? 7 : 0.1 * (k % 9);
+    }
+    CHECK(make_bins(&b, NULL, NULL, &grid, &params) == CHI_OK);
+    CHECK(b.result.central_moments[2] >= 0 && b.result.central_moments[4] >= 0);
+    drop_bins(&b);
+  }
+}
+
 static void wrong_arguments_are_refused(void)
 {
   double* const values = make_values();
@@ -308,6 +382,9 @@ int main(void)
   skipping_changes_nothing_and_is_counted();
   what_has_not_changed_is_kept();
   empty_meshes_have_no_mass();
+  coordinates_that_are_no_numbers_leave_no_cell();
+  structs_of_older_versions_are_read_as_far_as_they_go();
+  variance_of_nearly_one_value_is_not_negative();
   wrong_arguments_are_refused();
   every_refusal_and_every_cancellation_is_survived();
   return chi_test_report();

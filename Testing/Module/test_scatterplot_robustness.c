@@ -321,6 +321,28 @@ static void fields_of_cells_are_one_deposit_each(void)
   scene_free(s);
 }
 
+static void densities_beyond_double_are_infinite_not_nan(void)
+{
+  scene* const s = scene_image((size_t[3]){ 3, 3, 3 }, zero, one, steps);
+  for (size_t i = 0; i < s->input.fields[0].count; ++i)
+  {
+    s->f[i] *= 1e-200;
+    s->g[i] *= 1e-200;
+  }
+  chi_scatterplot_params params = scene_params(4, 4, 0, 0, 0, 0);
+  params.automatic_range = 1;
+  double* const density = scene_plot(NULL, s, &params, NULL);
+  int zeros = 0, infinite = 0;
+  for (int i = 0; i < 16; ++i)
+  {
+    zeros += density[i] == 0;
+    infinite += density[i] == INFINITY;
+  }
+  CHECK(infinite > 0 && zeros + infinite == 16);
+  free(density);
+  scene_free(s);
+}
+
 /* ---- other cells */
 
 static void meshes_of_all_cells_hold_their_volume(void)
@@ -661,6 +683,7 @@ int main(void)
   any_type_and_component_gives_the_same_plot();
   weights_multiply_masses();
   fields_of_cells_are_one_deposit_each();
+  densities_beyond_double_are_infinite_not_nan();
   meshes_of_all_cells_hold_their_volume();
   polygons_count_where_there_is_nothing_else();
   cells_at_bad_values_are_skipped_and_counted();

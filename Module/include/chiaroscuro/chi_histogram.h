@@ -48,6 +48,16 @@ enum
   CHI_HISTOGRAM_MOMENTS = 8 /**< highest order */
 };
 
+/** Sums and maxima over all processes that hold a piece each; return 0, or else the call fails with
+ * CHI_ERROR_CANCELLED. All processes make the same calls in the same order, failures included. */
+typedef struct chi_histogram_reduction
+{
+  size_t struct_size;
+  void* user; /**< must live until the last chi_histogram_quantile */
+  int (*max_f64)(void* user, double* values, size_t count); /**< in place */
+  int (*sum_i64)(void* user, int64_t* values, size_t count);
+} chi_histogram_reduction;
+
 typedef struct chi_histogram_params
 {
   size_t struct_size;
@@ -62,6 +72,9 @@ typedef struct chi_histogram_params
   int32_t moments;         /**< highest order that is found, 2 ... 8; 0: 4 */
   int32_t no_skipping;     /**< CHI_HISTOGRAM_SKIP_... that are switched off */
   int32_t reserved;
+  const chi_histogram_reduction* reduction; /**< NULL: this process has all. Else masses, ranges,
+                              moments and quantiles are of the whole, counts of this piece, and a
+                              piece without cells takes part */
 } chi_histogram_params;
 
 /** Caller-allocated, [bins] each; NULL members are not written. */
@@ -138,6 +151,7 @@ CHI_API void chi_histogram_destroy(const chi_exec* exec, chi_histogram* histogra
  * within 1e-12 of it, at any scale of the field. Values beyond 2^200 widths of a bin are taken as
  * there.
  * Determinism  same bits for any number of threads and any parallel_for on one set of instructions.
+ * Processes get the same bits; those of one process that has all differ by rounding, 1e-15.
  * Non-finite   cells with such values are left out and counted.
  * Cost         O(simplices + bins that each spans); pieces that miss the range or lie in one bin
  * are one deposit.
@@ -158,7 +172,7 @@ CHI_API void chi_histogram_get_result(const chi_histogram* histogram, chi_histog
  *
  * @retval CHI_OK, CHI_ERROR_INVALID_ARGUMENT (null, order), CHI_ERROR_NOT_READY (no histogram)
  *
- * Precision    3^order 1e-15 of the mean of |f|^order; exact for the piecewise linear field but for
+ * Precision    3^order 1e-15 of the largest |f|^order; exact for the piecewise linear field but for
  * rounding (complete homogeneous polynomials of the corners' values; nothing comes from bins).
  */
 CHI_API CHI_NODISCARD chi_status chi_histogram_moment(
@@ -166,7 +180,8 @@ CHI_API CHI_NODISCARD chi_status chi_histogram_moment(
 
 /**
  * The value below which a share of the mass lies: the least such value, where the distribution
- * jumps the place of the jump; 0 gives the least value of the field, 1 the largest.
+ * jumps the place of the jump; 0 gives the least value of the field, 1 the largest. With a
+ * reduction all processes call it alike.
  *
  * @param[in]  share     0 ... 1
  * @param[out] quantile  to 1e-12 of the field's range, as far as double distinguishes values there,

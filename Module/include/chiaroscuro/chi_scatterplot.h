@@ -145,7 +145,8 @@ CHI_API void chi_scatterplot_destroy(chi_scatterplot* plot);
  * @param[in]  input    grids of three dimensions are split as chi_grid_split does; where there is
  * no cell of three dimensions, polygons count by their area
  * @param[in]  params   what is plotted
- * @param[out] density  [bins[1]][bins[0]] mean mass per area of each bin, in units of the fields;
+ * @param[out] density  [bins[1]][bins[0]] mean mass per area of each bin, in units of the fields,
+ * infinite where that is beyond double;
  * unspecified after an error. The bin's lower ends belong to it, and to the last the upper one too
  * @param[out] result   may be NULL
  *
