@@ -166,11 +166,12 @@ void chi_light_layout(chi_light_planes* l)
   l->segments = (s->light_width - 1) / CHI_SEGMENT + 1;
   l->skew = (int)rows;
   l->shift_segments = (int)(columns / CHI_SEGMENT) + 1;
-  l->touched_shift = 0;
-  while (s->slabs >> l->touched_shift > 63)
+  l->blocking_shift = 0;
+  while (s->slabs >> l->blocking_shift >= 1024) /* no more memory than that of usual depths */
   {
-    ++l->touched_shift;
+    ++l->blocking_shift;
   }
+  l->blocking_words = (int)(s->slabs >> l->blocking_shift >> 6) + 1;
   /* whole cache lines before a row's first pixel: pieces begin with a line */
   const size_t pad_x = round_up((size_t)columns + 2, LINE), pad_y = (size_t)rows + 2;
   l->light_stride = round_up((size_t)s->light_width, CHI_SEGMENT) + 2 * pad_x + LINE;
@@ -181,20 +182,23 @@ void chi_light_layout(chi_light_planes* l)
   l->ring = chi_scene_ring(s);
 }
 
-chi_status chi_light_prepare(chi_light_planes* l, chi_light_buffers* keep, int fields)
+chi_status chi_light_prepare(chi_light_planes* l, chi_light_buffers* keep, int fields, int surfaces)
 {
   const chi_exec* const exec = l->exec;
   const chi_scene* const s = l->scene;
   const size_t slabs = (size_t)s->slabs, directions = (size_t)s->directions;
-  const size_t pieces = (size_t)s->light_height * (size_t)l->segments;
+  const size_t pieces = (size_t)s->light_height * (size_t)l->segments, scale = (size_t)s->scale;
   const size_t scratch = LIGHT_PLANES * (size_t)s->light_height * l->light_stride;
   const size_t step_bytes = sizeof *l->step_offset + sizeof *l->step_weight;
   if (!chi_buffer_reserve(exec, &keep->scratch, scratch + 64, sizeof(float)) ||
     !chi_buffer_reserve(exec, &keep->reach, slabs + 1, sizeof(double)) ||
     !chi_buffer_reserve(exec, &keep->steps, slabs * directions + 1, step_bytes) ||
     !chi_buffer_reserve(exec, &keep->tau_flag, pieces, 1) ||
-    !chi_buffer_reserve(exec, &keep->touched, pieces, 2 * sizeof(uint64_t)) ||
-    !chi_buffer_reserve(exec, &keep->last_served, pieces, sizeof(int64_t)))
+    (surfaces &&
+      (!chi_buffer_reserve(
+         exec, &keep->blocking, pieces, (size_t)l->blocking_words * sizeof(uint64_t)) ||
+        !chi_buffer_reserve(exec, &keep->served, pieces, sizeof(chi_light_served)) ||
+        !chi_buffer_reserve(exec, &keep->order, pieces, CHI_SEGMENT * scale * scale))))
   {
     return CHI_ERROR_OUT_OF_MEMORY;
   }
@@ -203,8 +207,9 @@ chi_status chi_light_prepare(chi_light_planes* l, chi_light_buffers* keep, int f
   l->reach = (double*)keep->reach.data;
   l->step_offset = (ptrdiff_t*)keep->steps.data;
   l->step_weight = (float(*)[4])(void*)(l->step_offset + slabs * directions);
-  l->touched = (uint64_t(*)[2])keep->touched.data;
-  l->last_served = (int64_t*)keep->last_served.data;
+  l->blocking = (uint64_t*)keep->blocking.data;
+  l->served = (chi_light_served*)keep->served.data;
+  l->order = (uint8_t*)keep->order.data;
   l->field = keep->field;
   l->fields = fields;
   l->dark_below = dark_below(s);
@@ -225,7 +230,7 @@ chi_status chi_light_prepare(chi_light_planes* l, chi_light_buffers* keep, int f
 void chi_light_free(const chi_exec* exec, chi_light_buffers* keep)
 {
   chi_buffer* const all[] = { &keep->steps, &keep->reach, &keep->scratch, &keep->tau_flag,
-    &keep->touched, &keep->last_served };
+    &keep->blocking, &keep->served, &keep->order };
   for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
   {
     chi_buffer_free(exec, all[i]);

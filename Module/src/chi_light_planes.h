@@ -30,6 +30,11 @@ enum
   LIGHT_PLANES
 };
 
+/* Share of the light that may be missing where all of it is taken to be there. */
+#ifndef CHI_LIGHT_LOSS
+#  define CHI_LIGHT_LOSS 0x1p-20f
+#endif
+
 /* What is known of the light of CHI_SEGMENT pixels, all directions. Joined by or. */
 enum
 {
@@ -37,6 +42,15 @@ enum
   TILE_DARK = 2,   /* 0 throughout */
   TILE_MIXED = 3
 };
+
+/* The surfaces of a piece, in the order of the steps that serve them. */
+typedef struct chi_light_served
+{
+  double plane;  /* of the next one; INFINITY: all are lit */
+  int32_t last;  /* step that lights the last one, those behind the last plane included; -1: none */
+  int32_t next;  /* the first one that is not lit yet */
+  int32_t count; /* that some step serves: entries of its order */
+} chi_light_served;
 
 typedef struct chi_light_planes
 {
@@ -66,12 +80,13 @@ typedef struct chi_light_planes
   size_t tau_step;   /* floats from row to row */
   uint8_t* tau_flag; /* [light rows][segments] of the slab at hand: there is any */
   /* The geometry that blocks light; NULL: none. */
-  float* surfaces;        /* [rows][GEOMETRY_PLANES][stride] */
-  uint64_t (*touched)[2]; /* [light rows][segments] bits, of slab >> touched_shift: a surface may
-                             block in it, and it may serve one */
-  int touched_shift;
-  int64_t* last_served; /* [light rows][segments] step that lights the last surface; -1: none */
-  size_t bytes;         /* of light */
+  float* surfaces;    /* [rows][GEOMETRY_PLANES][stride] */
+  uint64_t* blocking; /* [light rows][segments][blocking_words] bits, of slab >>
+                         blocking_shift, that behind the last one too: a surface may block in it */
+  int blocking_words, blocking_shift;
+  chi_light_served* served; /* [light rows][segments] */
+  uint8_t* order;           /* [light rows][segments][CHI_SEGMENT scale^2] its surfaces' pixels */
+  size_t bytes;             /* of light */
 } chi_light_planes;
 
 typedef struct light_counts
@@ -85,8 +100,10 @@ size_t chi_light_rows(const chi_scene* scene);
 
 /* Where everything lies: from exec, scene, params, kernels and skip, which are set. */
 void chi_light_layout(chi_light_planes* planes);
-/* Memory of steps and scratch, and of as many fields, bright throughout. */
-chi_status chi_light_prepare(chi_light_planes* planes, chi_light_buffers* keep, int fields);
+/* Memory of steps and scratch, of what is known of surfaces where there are any, and of as many
+ * fields, bright throughout. */
+chi_status chi_light_prepare(
+  chi_light_planes* planes, chi_light_buffers* keep, int fields, int surfaces);
 void chi_light_free(const chi_exec* exec, chi_light_buffers* keep);
 
 /* One slab of all fields for rows of light pixels, [begin, end); need[segment]: something may still
@@ -105,8 +122,10 @@ void chi_light_touch_rows(void* planes, size_t begin, size_t end);
 /* Its transmittance in a slab, a segment of light pixels; 0 when nothing blocks. */
 int chi_light_block(
   const chi_light_planes* planes, int64_t slab, int64_t by, int segment, float* out);
-/* Whether it may receive light in a step of the march. */
-int chi_light_serves(const chi_light_planes* planes, int64_t step, int64_t by, int segment);
+/* The next of a piece's surfaces that a step of the march serves: its pixel, and the plane that it
+ * reads; 0 when there is none. Steps come in their order. */
+int chi_light_serve(const chi_light_planes* planes, int64_t step, int64_t by, int segment,
+  int64_t* x, int64_t* y, double* plane);
 /* The step that can serve visibility at this depth: both planes about it are then complete, with a
  * row to spare on either side. */
 double chi_light_receiver_plane(const chi_scene* scene, double slices);

@@ -294,7 +294,7 @@ typedef struct chi_light_field
 typedef struct chi_light_buffers
 {
   chi_light_field field[2][3]; /* for matter, for geometry; [channels] */
-  chi_buffer steps, reach, scratch, tau_flag, touched, last_served;
+  chi_buffer steps, reach, scratch, tau_flag, blocking, served, order;
 } chi_light_buffers;
 
 /* The kinds of skipping that are on, as one bit each. */
@@ -331,7 +331,7 @@ typedef struct chi_march
   float crossing_transmittance;
   const struct chi_component_set* components; /* with frame->components */
   chi_buffer planes; /* float, picture-sized state; see chi_occlusion_march.c */
-  chi_buffer cells, last_slab, live, live_row, sampled, done, order, band_rows;
+  chi_buffer cells, last_cell, last_slab, until, need, live_row, sampled, done, order, band_rows;
   chi_buffer layers, layer_flags; /* see chi_layers.c */
   chi_light_buffers light;
   chi_buffer tint; /* float; see chi_occlusion_march.h */

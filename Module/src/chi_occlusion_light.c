@@ -11,6 +11,10 @@
 static int state_of_source(
   const chi_light_planes* l, const chi_light_field* f, int64_t side, int64_t y, int segment)
 {
+  if (tile_row(l, f, side, y)[segment] == TILE_MIXED)
+  {
+    return TILE_MIXED;
+  }
   const int64_t height = l->scene->light_height;
   const int64_t low = y > l->skew ? y - l->skew : 0;
   const int64_t high = y + l->skew < height ? y + l->skew : height - 1;
@@ -126,11 +130,19 @@ static void light_piece(const chi_light_planes* l, const chi_light_field* f, flo
     .length_x = length_x,
     .geometry = blocked ? geometry : NULL,
     .visibility = seen,
-    .dark_below = l->dark_below };
-  const int dark = (s->published ? l->kernels->blur : l->kernels->light)(&segment);
+    .dark_below = l->dark_below,
+    .bright_above = 1 - CHI_LIGHT_LOSS };
+  const int all = (s->published ? l->kernels->blur : l->kernels->light)(&segment);
   repeat_ends(l, k, seen);
-  *target_tile = *seen_tile = TILE_MIXED;
-  if (inside < CHI_SEGMENT)
+  /* What linear weights spread of a shadow that goes by, and their rounding, never ends. Where
+   * matter takes light, however little, it adds up. */
+  const int bright = skips && (all & CHI_LIGHT_BRIGHT) && !has_tau && !blocked;
+  *target_tile = *seen_tile = bright ? TILE_BRIGHT : TILE_MIXED;
+  if (bright)
+  {
+    fill_tile(target, l->light_stride, planes, TILE_BRIGHT);
+  }
+  else if (inside < CHI_SEGMENT)
   {
     /* Beyond the rim all light arrives: neither what lies there, which the other rims do not know,
      * nor what has left the picture may come back. */
@@ -139,7 +151,7 @@ static void light_piece(const chi_light_planes* l, const chi_light_field* f, flo
       chi_fill_ones(target + (size_t)d * l->light_stride + inside, CHI_SEGMENT - inside);
     }
   }
-  else if (skips && dark)
+  else if (skips && (all & CHI_LIGHT_DARK))
   {
     fill_tile(target, l->light_stride, planes, TILE_DARK);
     *target_tile = TILE_DARK;

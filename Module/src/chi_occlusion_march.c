@@ -67,8 +67,8 @@ static void find_need(march* m, int64_t block, int band, uint8_t* need)
     for (int k = 0; k < m->light.segments; ++k)
     {
       const int64_t* const pending = m->last_slab[(int64_t)other * m->light.segments + k];
-      const int live = known < 0 || m->live[(known * m->bands + other) * m->light.segments + k];
-      int64_t last = live ? pending[0] : -1;
+      int64_t last =
+        known < 0 ? pending[0] : m->until[(known * m->bands + other) * m->light.segments + k];
       last = pending[1] > last ? pending[1] : last;
       if (last < slab)
       {
@@ -89,37 +89,41 @@ static void find_need(march* m, int64_t block, int band, uint8_t* need)
   }
 }
 
-/* Which pieces still have rays to follow, after the band's last slab of a block. */
+/* Which pieces still have rays to follow, and how far, after the band's last slab of a block. */
 static void update_live(march* m, int64_t block, int band, int64_t slab, int64_t row0, int64_t row1)
 {
   const chi_scene* const s = m->scene;
-  uint8_t* const live = m->live + (block * m->bands + band) * m->light.segments;
+  int32_t* const until = m->until + (block * m->bands + band) * m->light.segments;
   const float now = (float)((slab + 1) * s->group);
-  memset(live, 0, (size_t)m->light.segments);
+  for (int k = 0; k < m->light.segments; ++k)
+  {
+    until[k] = -1;
+  }
   for (int64_t y = row0 * s->scale; y < row1 * s->scale && y < s->height; ++y)
   {
     uint8_t* const row = m->live_row + y * m->cells_x;
+    const int32_t* const last = m->last_cell + y / CHI_CELL_HEIGHT * m->cells_x;
     const float* const transmittance = picture(m, TRANSMITTANCE, y);
     const float* const surface = m->frame->surface && (m->skip & CHI_SKIP_BEHIND_GEOMETRY)
       ? surface_row(&m->light, SURFACE, y)
       : NULL;
     for (int cx = 0; cx < m->cells_x; ++cx)
     {
-      const int x0 = cx * CHI_CELL_WIDTH;
-      const int x1 = x0 + CHI_CELL_WIDTH < s->width ? x0 + CHI_CELL_WIDTH : s->width;
-      int any = 0, hidden = 0;
-      for (int x = x0; x < x1 && row[cx] == RAYS_LIVE && !any; ++x)
+      if (row[cx] != RAYS_LIVE)
       {
-        const int clear = transmittance[x] > m->sample.saturated;
-        const int front = !surface || surface[x] > now;
-        any |= clear && front;
-        hidden |= clear && !front;
+        continue;
       }
-      if (row[cx] == RAYS_LIVE)
+      const int x0 = cx * CHI_CELL_WIDTH, left = s->width - x0;
+      const float end = m->kernels->farthest(transmittance + x0, surface ? surface + x0 : NULL,
+        m->sample.saturated, left < CHI_CELL_WIDTH ? left : CHI_CELL_WIDTH);
+      row[cx] = end > now ? RAYS_LIVE : end > -INFINITY ? RAYS_BEHIND_GEOMETRY : RAYS_SATURATED;
+      if (end > now)
       {
-        row[cx] = any ? RAYS_LIVE : hidden ? RAYS_BEHIND_GEOMETRY : RAYS_SATURATED;
+        const double behind = (double)end / (double)s->group;
+        const int32_t to = behind < (double)last[cx] ? (int32_t)behind : last[cx];
+        int32_t* const known = until + x0 / s->scale / CHI_SEGMENT;
+        *known = to > *known ? to : *known;
       }
-      live[x0 / s->scale / CHI_SEGMENT] |= row[cx] == RAYS_LIVE;
     }
   }
 }
@@ -360,6 +364,7 @@ chi_status chi_march_run(const chi_exec* exec, chi_march* keep, const chi_scene*
   result->seconds_visible_set = t1 - t0;
   if (status == CHI_OK && m.blocks > 0)
   {
+    chi_march_last_cells(&m);
     for (int band = 0; band < m.bands; ++band)
     {
       for (int k = 0; k < m.light.segments; ++k)
@@ -421,9 +426,9 @@ chi_status chi_march_run(const chi_exec* exec, chi_march* keep, const chi_scene*
 
 void chi_march_free(const chi_exec* exec, chi_march* keep)
 {
-  chi_buffer* const all[] = { &keep->planes, &keep->cells, &keep->last_slab, &keep->live,
-    &keep->live_row, &keep->sampled, &keep->done, &keep->order, &keep->band_rows, &keep->layers,
-    &keep->layer_flags, &keep->tint };
+  chi_buffer* const all[] = { &keep->planes, &keep->cells, &keep->last_cell, &keep->last_slab,
+    &keep->until, &keep->need, &keep->live_row, &keep->sampled, &keep->done, &keep->order,
+    &keep->band_rows, &keep->layers, &keep->layer_flags, &keep->tint };
   for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
   {
     chi_buffer_free(exec, all[i]);

@@ -83,21 +83,24 @@ typedef struct march
   int lag; /* bands by which a block must lead the next one */
   int cells_x, cells_y;
   uint8_t* cells;          /* [blocks][cells_y][cells_x] */
+  int32_t* last_cell;      /* [cells_y][cells_x] last slab that is not empty; -1: all are */
   int64_t (*last_slab)[2]; /* [bands][segments]: of samples, of surfaces that are yet to be lit */
-  uint8_t* live;           /* [blocks][bands][segments] */
-  uint8_t* live_row;       /* [rows][cells_x] RAYS_... */
-  int64_t* sampled;        /* [rows][cells_x] segment sampled last */
-  uint8_t* tau_stale;      /* [2][rows][cells_x] the cell holds the thickness of an earlier slab */
-  uint8_t* need;           /* [bands][segments] */
-  int64_t* order;          /* [tickets][2] block, band */
-  atomic_uchar* done;      /* [blocks][bands] */
-  int layers; /* slots in use: translucent ones, then the edge; 0: the next are not there */
+  int32_t* until;     /* [blocks][bands][segments] last slab in which a ray that is live may meet
+                         something, as known after the block; -1: none */
+  uint8_t* live_row;  /* [rows][cells_x] RAYS_... */
+  int64_t* sampled;   /* [rows][cells_x] segment sampled last */
+  uint8_t* tau_stale; /* [2][rows][cells_x] the cell holds the thickness of an earlier slab */
+  uint8_t* need;      /* [bands][segments] */
+  int64_t* order;     /* [tickets][2] block, band */
+  atomic_uchar* done; /* [blocks][bands] */
+  int layers;         /* slots in use: translucent ones, then the edge; 0: the next are not there */
   float* layer_planes; /* [rows][LAYER_PLANES][stride] */
   float* layer_next;   /* [rows][cells_x] depth of the nearest layer that is not blended yet */
   float* layer_steps;  /* [light rows][segments][2] first and last step that lights a layer */
   uint8_t* layer_done; /* [rows][stride] bits: slots of a pixel that are blended */
   int surface_field;
-  int skip; /* CHI_SKIP_... kinds that are on */
+  double receiver_weight[2][2][9]; /* see chi_march_place_weights */
+  int skip;                        /* CHI_SKIP_... kinds that are on */
   int shaded;
   float strength;
   atomic_size_t ticket;
@@ -134,9 +137,11 @@ chi_status chi_march_plan(march* m);
 void chi_march_intersect_rows(void* data, size_t begin, size_t end);
 void chi_march_classify_blocks(void* data, size_t begin, size_t end);
 void chi_march_band_rows(const march* m, int band, int64_t rows[2]);
+void chi_march_last_cells(march* m);
 void chi_march_last_slab(const march* m, int band, int segment, int64_t last[2]);
 
 /* chi_occlusion_receivers.c; light_rest is the body of a parallel loop over rows */
+void chi_march_place_weights(int scale, double weight[2][2][9]);
 void chi_march_light_surfaces(const march* m, int64_t step, int64_t by);
 void chi_march_light_rest(void* data, size_t begin, size_t end);
 void chi_march_read_probes(const march* m, int64_t step, int64_t begin, int64_t end);

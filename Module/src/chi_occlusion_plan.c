@@ -74,6 +74,7 @@ static int plan_fields(march* m)
     }
   }
   m->surface_field = light.surface_field;
+  chi_march_place_weights(m->scene->scale, m->receiver_weight);
   return light.fields;
 }
 
@@ -90,7 +91,9 @@ static chi_status reserve(march* m)
       exec, &keep->band_rows, bands * channels * m->light.stride + 64, sizeof(float)) ||
     !chi_buffer_reserve(exec, &keep->cells, blocks * (size_t)m->cells_y * cells + 1, 1) ||
     !chi_buffer_reserve(exec, &keep->last_slab, bands * segments, 2 * sizeof(int64_t)) ||
-    !chi_buffer_reserve(exec, &keep->live, blocks * bands * segments + bands * segments + 1, 1) ||
+    !chi_buffer_reserve(exec, &keep->last_cell, (size_t)m->cells_y * cells, sizeof(int32_t)) ||
+    !chi_buffer_reserve(exec, &keep->until, blocks * bands * segments + 1, sizeof(int32_t)) ||
+    !chi_buffer_reserve(exec, &keep->need, bands * segments, 1) ||
     !chi_buffer_reserve(exec, &keep->live_row, 3 * m->light.rows * cells, 1) ||
     !chi_buffer_reserve(exec, &keep->sampled, m->light.rows * cells, sizeof(int64_t)) ||
     !chi_buffer_reserve(exec, &keep->done, blocks * bands + 1, 1) ||
@@ -107,8 +110,9 @@ static chi_status reserve(march* m)
   m->band_rows = (float*)keep->band_rows.data;
   m->cells = (uint8_t*)keep->cells.data;
   m->last_slab = (int64_t(*)[2])keep->last_slab.data;
-  m->live = (uint8_t*)keep->live.data;
-  m->need = m->live + blocks * bands * segments;
+  m->last_cell = (int32_t*)keep->last_cell.data;
+  m->until = (int32_t*)keep->until.data;
+  m->need = (uint8_t*)keep->need.data;
   m->live_row = (uint8_t*)keep->live_row.data;
   m->tau_stale = m->live_row + m->light.rows * cells;
   m->sampled = (int64_t*)keep->sampled.data;
@@ -255,7 +259,7 @@ chi_status chi_march_plan(march* m)
   {
     return status;
   }
-  status = chi_light_prepare(&m->light, &m->keep->light, plan_fields(m));
+  status = chi_light_prepare(&m->light, &m->keep->light, plan_fields(m), m->frame->surface != NULL);
   if (status == CHI_OK)
   {
     status = set_sample_frame(m);

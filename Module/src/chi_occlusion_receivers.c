@@ -105,36 +105,81 @@ static void light_surface(const march* m, int64_t y, int64_t x)
   }
 }
 
+/* The weights of plane_at for pixels of even and odd place, whose light pixels all lie inside. */
+void chi_march_place_weights(int scale, double weight[2][2][9])
+{
+  for (int k = 0; k < 4; ++k)
+  {
+    double u[3], v[3];
+    chi_light_weights(scale, scale == 1 ? 0 : k & 1 ? 0.25 : -0.25, u);
+    chi_light_weights(scale, scale == 1 ? 0 : k & 2 ? 0.25 : -0.25, v);
+    for (int i = 0; i < 9; ++i)
+    {
+      weight[k >> 1][k & 1][i] = v[i / 3] * u[i % 3];
+    }
+  }
+}
+
+/* plane_at at light pixel (i, j), with its weights. */
+static double plane_inside(const march* m, const chi_light_field* f, int64_t slab, int64_t i,
+  int64_t j, const double weight[9])
+{
+  if (slab < 0)
+  {
+    return 1;
+  }
+  const float* const from = visibility_row(&m->light, f, slab, j) + i;
+  const ptrdiff_t stride = (ptrdiff_t)m->light.light_stride;
+  double sum = 0;
+  for (int b = 0; b < 3; ++b)
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      sum += weight[3 * b + a] * (double)from[(b - 1) * stride + a - 1];
+    }
+  }
+  return fmin(fmax(sum, 0), 1);
+}
+
+/* light_surface of a pixel between two planes, one or more light pixels from the picture's rim: the
+ * same bits. */
+static void light_inside(const march* m, double plane, int64_t y, int64_t x, const double weight[9])
+{
+  const chi_scene* const s = m->scene;
+  const double below = floor(plane), w = plane - below;
+  for (int c = 0; c < s->channels; ++c)
+  {
+    const chi_light_field* const f = &m->light.field[m->surface_field][c];
+    double seen = 1;
+    if (f->volume || f->geometry)
+    {
+      const int64_t slab = (int64_t)below, i = x / s->scale, j = y / s->scale;
+      seen = plane_inside(m, f, slab, i, j, weight);
+      seen = w > 0 ? (1 - w) * seen + w * plane_inside(m, f, slab + 1, i, j, weight) : seen;
+    }
+    surface_visibility(m, c, y)[x] = (float)seen;
+  }
+}
+
 /* Surfaces of one light row whose planes are complete in this step. */
 void chi_march_light_surfaces(const march* m, int64_t step, int64_t by)
 {
   const chi_scene* const s = m->scene;
-  /* Depths that this step may serve, by a margin of more than rounding: most pixels are others. */
-  const double first = ((double)(step - 2) + s->bias + 0.5) * (double)s->group;
-  const double margin = 1e-6 * (fabs(first) + (double)s->group);
-  const float low = (float)(first - margin), high = (float)(first + (double)s->group + margin);
+  const int inside_y = by > 0 && by < s->light_height - 1;
+  int64_t x, y;
+  double plane;
   for (int segment = 0; segment < m->light.segments; ++segment)
   {
-    if (!chi_light_serves(&m->light, step, by, segment))
+    while (chi_light_serve(&m->light, step, by, segment, &x, &y, &plane))
     {
-      continue;
-    }
-    const int64_t x0 = (int64_t)segment * CHI_SEGMENT * s->scale;
-    for (int64_t y = by * s->scale; y < (by + 1) * s->scale && y < s->height; ++y)
-    {
-      const float* const depth = surface_row(&m->light, RECEIVER, y);
-      int any = 0;
-      for (int64_t x = x0; x < x0 + CHI_SEGMENT * s->scale; ++x) /* rows are padded */
+      const int64_t i = x / s->scale;
+      if (inside_y && i > 0 && i < s->light_width - 1)
       {
-        any |= (depth[x] >= low) & (depth[x] <= high);
+        light_inside(m, plane, y, x, m->receiver_weight[y % s->scale][x % s->scale]);
       }
-      for (int64_t x = x0; any && x < x0 + CHI_SEGMENT * s->scale && x < s->width; ++x)
+      else
       {
-        const double plane = chi_light_receiver_plane(s, (double)depth[x]);
-        if (plane >= (double)(step - 2) && plane < (double)(step - 1)) /* serving_step */
-        {
-          light_surface(m, y, x);
-        }
+        light_surface(m, y, x);
       }
     }
   }

@@ -69,15 +69,26 @@ void chi_march_intersect_rows(void* data, size_t begin, size_t end)
   }
 }
 
-/* Samples of a cell that the brick test spares, for the counter alone. */
-static int64_t count_inside(const march* m, int cx, int cy, double first, double last)
+/* Samples of a cell that the brick test spares, for the counter alone. `inside`: the cell lies in
+ * the box as a whole, but for slabs behind the last one with samples. */
+static int64_t count_inside(const march* m, int cx, int cy, double first, double last, int inside)
 {
+  const chi_scene* const s = m->scene;
   int64_t count = 0;
-  for (int y = cy * CHI_CELL_HEIGHT; y < (cy + 1) * CHI_CELL_HEIGHT && y < m->scene->height; ++y)
+  if (inside)
+  {
+    const int width = s->width - cx * CHI_CELL_WIDTH, height = s->height - cy * CHI_CELL_HEIGHT;
+    last = lesser(last, (double)(s->volume_end * s->group));
+    return height <= 0
+      ? 0
+      : (int64_t)(last - first) * (width < CHI_CELL_WIDTH ? width : CHI_CELL_WIDTH) *
+        (height < CHI_CELL_HEIGHT ? height : CHI_CELL_HEIGHT);
+  }
+  for (int y = cy * CHI_CELL_HEIGHT; y < (cy + 1) * CHI_CELL_HEIGHT && y < s->height; ++y)
   {
     const float* const enter = picture(m, ENTER, y);
     const float* const leave = picture(m, LEAVE, y);
-    for (int x = cx * CHI_CELL_WIDTH; x < (cx + 1) * CHI_CELL_WIDTH && x < m->scene->width; ++x)
+    for (int x = cx * CHI_CELL_WIDTH; x < (cx + 1) * CHI_CELL_WIDTH && x < s->width; ++x)
     {
       const double from = floor(greater((double)enter[x], first));
       const double to = ceil(lesser((double)leave[x], last));
@@ -174,7 +185,7 @@ static uint8_t classify_cell(march* m, int64_t block, int cx, int cy)
   {
     const double group = (double)s->group;
     atomic_fetch_add(
-      &m->skipped[SKIPPED_BRICKS], count_inside(m, cx, cy, first * group, last * group));
+      &m->skipped[SKIPPED_BRICKS], count_inside(m, cx, cy, first * group, last * group, inside));
     return CELL_EMPTY;
   }
   return (uint8_t)(CELL_OCCUPIED | crosses | (occupied < all ? CELL_MIXED : 0));
@@ -206,6 +217,22 @@ void chi_march_band_rows(const march* m, int band, int64_t rows[2])
   rows[1] = last < m->scene->light_height ? last : m->scene->light_height;
 }
 
+/* The last slab of every cell in which there may be something. */
+void chi_march_last_cells(march* m)
+{
+  const int64_t count = (int64_t)m->cells_y * m->cells_x;
+  for (int64_t i = 0; i < count; ++i)
+  {
+    int64_t block = m->blocks - 1;
+    while (block >= 0 && m->cells[block * count + i] == CELL_EMPTY)
+    {
+      --block;
+    }
+    const int64_t end = (block + 1) * m->block;
+    m->last_cell[i] = (int32_t)((end < m->scene->slabs ? end : m->scene->slabs) - 1);
+  }
+}
+
 /* The last slab in which a ray of this piece of a band may meet something, and the last step that
  * lights a surface in it; -1 for never. */
 void chi_march_last_slab(const march* m, int band, int segment, int64_t last[2])
@@ -216,7 +243,7 @@ void chi_march_last_slab(const march* m, int band, int segment, int64_t last[2])
   last[0] = last[1] = -1;
   for (int64_t y = rows[0]; y < rows[1] && m->frame->surface; ++y)
   {
-    const int64_t step = m->light.last_served[y * m->light.segments + segment];
+    const int64_t step = m->light.served[y * m->light.segments + segment].last;
     last[1] = step > last[1] ? step : last[1];
   }
   for (int64_t y = rows[0]; y < rows[1] && m->layers; ++y)
@@ -232,20 +259,12 @@ void chi_march_last_slab(const march* m, int band, int segment, int64_t last[2])
   const int64_t cx0 = segment * width / CHI_CELL_WIDTH;
   int64_t cx1 = ((segment + 1) * width - 1) / CHI_CELL_WIDTH;
   cx1 = cx1 < m->cells_x ? cx1 : m->cells_x - 1;
-  for (int64_t block = m->blocks - 1; block >= 0 && rows[0] < rows[1]; --block)
+  for (int64_t cy = cy0; cy <= cy1 && cy < m->cells_y && rows[0] < rows[1]; ++cy)
   {
-    for (int64_t cy = cy0; cy <= cy1 && cy < m->cells_y; ++cy)
+    const int32_t* const cells = m->last_cell + cy * m->cells_x;
+    for (int64_t cx = cx0; cx <= cx1; ++cx)
     {
-      const uint8_t* const cells = m->cells + (block * m->cells_y + cy) * m->cells_x;
-      for (int64_t cx = cx0; cx <= cx1; ++cx)
-      {
-        if (cells[cx] != CELL_EMPTY)
-        {
-          last[0] = (block + 1) * m->block - 1;
-          last[0] = last[0] < s->slabs ? last[0] : s->slabs - 1;
-          return;
-        }
-      }
+      last[0] = cells[cx] > last[0] ? cells[cx] : last[0];
     }
   }
 }

@@ -388,7 +388,7 @@ static chi_status prepare(occlusion_job* it, chi_tet_occlusion* o, const chi_tet
     o->light.field[0][c].volume = 1;
     o->light.field[0][c].geometry = f->surface != NULL;
   }
-  chi_status status = chi_light_prepare(l, &o->light, 1);
+  chi_status status = chi_light_prepare(l, &o->light, 1, f->surface != NULL);
   if (status == CHI_OK && f->surface)
   {
     l->surfaces = (float*)o->surfaces.data;

@@ -98,7 +98,7 @@ static chi_occlusion_image render(chi_occlusion* engine, const scene* s, chi_occ
   chi_occlusion_get_image(engine, &image);
   stats->struct_size = sizeof *stats;
   chi_occlusion_get_stats(engine, stats);
-  if (!image.rgba || image.width != WIDTH || image.height != WIDTH)
+  if (!image.rgba || image.width != s->camera.width || image.height != s->camera.height)
   {
     CHECK(!"an image");
     exit(1);
@@ -150,6 +150,44 @@ static void each_kind_alone_changes_no_pixel_and_counts_what_it_spares(int paral
     }
     CHECK(spared > 0 && more > 0);
   }
+  chi_occlusion_destroy(NULL, with);
+  chi_occlusion_destroy(NULL, without);
+  free(s);
+}
+
+/*
+ * A wall in front of a picture's first piece of 32 light pixels, narrow light, something that
+ * receives it behind the rest, and no matter between. What is computed from a piece with a shadow
+ * is never 1 exactly, and would make the next piece so: all five of them after five slabs. The
+ * shadow itself stays in the second one, next to which the third one is computed.
+ */
+static void light_beside_a_shadow_is_whole_where_only_a_tail_of_it_is_missing(void)
+{
+  scene* const s = make_scene(1);
+  const int width = 5 * 32, height = 48;
+  s->camera = eye_at_origin(1, width, height, 20);
+  memset(s->opacity, 0, sizeof s->opacity);
+  for (int i = 0; i < width * height; ++i)
+  {
+    s->depth[i] = i % width < 32 ? 72 : 130;
+  }
+  s->frame.clip_plane_count = 0;
+  s->params.half_size = 0;
+  s->params.cone_angle_rad = 0.05;
+  chi_occlusion* const with = make_engine();
+  chi_occlusion* const without = make_engine();
+  chi_occlusion_stats some, none;
+  s->params.skip = CHI_SKIP_SATURATED_LIGHT;
+  const chi_occlusion_image a = render(with, s, &some);
+  s->params.skip = CHI_SKIP_NOTHING;
+  const chi_occlusion_image b = render(without, s, &none);
+  const double share = (double)some.light_updates / (double)none.light_updates;
+  const double worst = difference(&a, &b), dark = 1 - (double)b.visibility[32];
+  printf("beside a shadow of %.2f: %.3f of the updates, visibility differs by %.2e\n", dark, share,
+    worst);
+  CHECK(dark > 0.1);
+  CHECK(share > 0.5 && share <= 0.6);
+  CHECK(worst <= 0x1p-20 * s->params.directions * (double)some.light_slices); /* a slab each */
   chi_occlusion_destroy(NULL, with);
   chi_occlusion_destroy(NULL, without);
   free(s);
@@ -257,6 +295,7 @@ int main(void)
 {
   each_kind_alone_changes_no_pixel_and_counts_what_it_spares(0);
   each_kind_alone_changes_no_pixel_and_counts_what_it_spares(1);
+  light_beside_a_shadow_is_whole_where_only_a_tail_of_it_is_missing();
   one_stands_for_all_and_nothing_for_none();
   a_frame_makes_anew_only_what_changed();
   occlusion_off_costs_nothing_over_the_plain_render();

@@ -3,4 +3,4 @@
 #include "chi_occlusion_kernels.inl"
 
 const chi_occlusion_kernels chi_kernels_avx2 = { "avx2", CHI_LANES, sample, light, blur, halve,
-  path_lengths, enlarge, vicinity };
+  path_lengths, farthest, block, enlarge, vicinity };

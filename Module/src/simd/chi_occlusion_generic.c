@@ -3,4 +3,4 @@
 #include "chi_occlusion_kernels.inl"
 
 const chi_occlusion_kernels chi_kernels_generic = { "generic", CHI_LANES, sample, light, blur,
-  halve, path_lengths, enlarge, vicinity };
+  halve, path_lengths, farthest, block, enlarge, vicinity };

@@ -144,8 +144,15 @@ typedef struct chi_light_segment
   const float* length_x; /* its change a pixel */
   const float* geometry; /* transmittance of the geometry in this slab; NULL: 1 */
   float* visibility;
-  float dark_below;
+  float dark_below, bright_above;
 } chi_light_segment;
+
+/* What a kernel says of a segment's visibility. */
+enum
+{
+  CHI_LIGHT_DARK = 1,  /* all of it is below dark_below */
+  CHI_LIGHT_BRIGHT = 2 /* all of it is above bright_above */
+};
 
 /* Vicinity of one row's surfaces. */
 typedef struct chi_vicinity_row
@@ -169,13 +176,21 @@ typedef struct chi_occlusion_kernels
   const char* name;
   int lanes;
   void (*sample)(chi_sample_row* row, int x_begin, int x_end);
-  /* Non-zero: all of the visibility is below dark_below. */
+  /* CHI_LIGHT_... */
   int (*light)(const chi_light_segment* segment);
   int (*blur)(const chi_light_segment* segment);
   void (*halve)(
     const float* const tau[2], const float* const before[2], float length, float* out, int count);
   void (*path_lengths)(const float* slope_x, const float* slope_y, int directions, float px,
     float py, float px_step, int count, float* length, float* length_x);
+  /* The farthest surface of the pixels whose transmittance is above a limit; INFINITY: some have
+   * none, or `surface` is NULL; -INFINITY: there is no such pixel. Rows are read in whole vectors.
+   */
+  float (*farthest)(const float* transmittance, const float* surface, float limit, int count);
+  /* Light that surfaces which block all of it let through in a slab, by the intervals of one row of
+   * pixels or two; 0: all of it. */
+  int (*block)(
+    const float* const begin[2], const float* const end[2], int scale, float slab, float* out);
   void (*enlarge)(const float* const* rows, const float* weight, int row_count, float base,
     int scale, int begin, int end, float* out);
   void (*vicinity)(const chi_vicinity_row* row, int begin, int end);

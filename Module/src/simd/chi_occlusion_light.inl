@@ -69,14 +69,15 @@ CHI_INLINE int light_run(
     }
   }
   const float mean = weighted ? 1.0f : 1.0f / (float)s->directions;
-  vi bright = vi_set(0);
+  vi lit = vi_set(0), dimmed = vi_set(0);
   for (int k = 0; k < PARTS; ++k)
   {
     const vf visibility = sum[k] * mean;
     vf_store(s->visibility + k * CHI_LANES, visibility);
-    bright |= visibility >= s->dark_below;
+    lit |= visibility >= s->dark_below;
+    dimmed |= visibility <= s->bright_above;
   }
-  return !vi_any(bright);
+  return (vi_any(lit) ? 0 : CHI_LIGHT_DARK) | (vi_any(dimmed) ? 0 : CHI_LIGHT_BRIGHT);
 }
 
 static int light(const chi_light_segment* s)
@@ -120,7 +121,7 @@ static int blur(const chi_light_segment* s)
     }
   }
   const float mean = 1.0f / (float)s->directions;
-  vi bright = vi_set(0);
+  vi lit = vi_set(0), dimmed = vi_set(0);
   for (int k = 0; k < PARTS; ++k)
   {
     const int x = k * CHI_LANES;
@@ -131,9 +132,42 @@ static int blur(const chi_light_segment* s)
     vf_store(s->visibility + x, seen);
     vf_store(
       s->target + x, seen * through * (s->geometry ? vf_load(s->geometry + x) : vf_set(1.0f)));
-    bright |= seen >= s->dark_below;
+    lit |= seen >= s->dark_below;
+    dimmed |= seen <= s->bright_above;
   }
-  return !vi_any(bright);
+  return (vi_any(lit) ? 0 : CHI_LIGHT_DARK) | (vi_any(dimmed) ? 0 : CHI_LIGHT_BRIGHT);
+}
+
+/* 1 where a surface's interval meets the slab. */
+CHI_INLINE vf blocks(const float* begin, const float* end, float slab)
+{
+  const vi meets = (vf_load(begin) < slab + 1.0f) & (vf_load(end) >= slab);
+  return vf_select(meets, vf_set(1.0f), vf_set(0.0f));
+}
+
+static int block(
+  const float* const begin[2], const float* const end[2], int scale, float slab, float* out)
+{
+  vf most = vf_set(0.0f);
+  for (int x = 0; x < CHI_SEGMENT; x += CHI_LANES)
+  {
+    vf closed;
+    if (scale == 1)
+    {
+      closed = blocks(begin[0] + x, end[0] + x, slab);
+    }
+    else
+    {
+      const int a = 2 * x, b = a + CHI_LANES;
+      closed = 0.25f *
+        vf_add_pairs(
+          blocks(begin[0] + a, end[0] + a, slab) + blocks(begin[1] + a, end[1] + a, slab),
+          blocks(begin[0] + b, end[0] + b, slab) + blocks(begin[1] + b, end[1] + b, slab));
+    }
+    most = vf_max(most, closed);
+    vf_store(out + x, 1.0f - closed);
+  }
+  return vi_any(most > 0.0f);
 }
 
 /* Mean transmittance of four pixels a light pixel. */

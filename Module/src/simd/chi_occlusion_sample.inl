@@ -415,6 +415,23 @@ CHI_INLINE void composite_piece(
   }
 }
 
+static float farthest(const float* transmittance, const float* surface, float limit, int count)
+{
+  vf far = vf_set(-INFINITY);
+  for (int x = 0; x < count; x += CHI_LANES)
+  {
+    const vi clear = (vf_load(transmittance + x) > limit) & (vf_iota() < (float)(count - x));
+    const vf end = surface ? vf_load(surface + x) : vf_set(INFINITY);
+    far = vf_max(far, vf_select(clear, end, far));
+  }
+  float most = far[0];
+  for (int i = 1; i < CHI_LANES; ++i)
+  {
+    most = far[i] > most ? far[i] : most;
+  }
+  return most;
+}
+
 /* `general`: colours are computed, not only looked up. */
 CHI_INLINE void sample_run(chi_sample_row* row, int x_begin, int x_end, const int fetch,
   const int nearest, const int general)
