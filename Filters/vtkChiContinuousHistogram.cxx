@@ -111,7 +111,7 @@ vtkDataArray* vtkChiContinuousHistogram::FindArray(vtkDataSet* input, int& assoc
   }
   if (!array)
   {
-    vtkErrorMacro(<< (isChosen ? "there is no array of the name chosen by SetInputArrayToProcess"
+    vtkErrorMacro(<< (isChosen ? "there is no array" + vtkChiChosenArray(this, 0)
                                : "the input has no active scalars; choose an array by "
                                  "SetInputArrayToProcess"));
     return nullptr;

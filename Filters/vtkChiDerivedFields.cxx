@@ -105,8 +105,14 @@ int vtkChiDerivedFields::RequestUpdateExtent(
 vtkDataArray* vtkChiDerivedFields::FindArray(vtkDataSet* input)
 {
   int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
-  vtkDataArray* const array = this->GetInputArrayToProcess(0, input, association);
-  const char* const name = this->GetInputArrayInformation(0)->Get(vtkDataObject::FIELD_NAME());
+  vtkDataArray* array = this->GetInputArrayToProcess(0, input, association);
+  const char* name = this->GetInputArrayInformation(0)->Get(vtkDataObject::FIELD_NAME());
+  if (!array && name && !*name) // ParaView's, where it knew no array when the filter was made
+  {
+    association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
+    array = input->GetPointData()->GetScalars();
+    name = nullptr;
+  }
   vtkDataArray* const ofCells = array ? nullptr
     : name                            ? input->GetCellData()->GetArray(name)
                                       : input->GetCellData()->GetScalars();
