@@ -4,8 +4,8 @@
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
-#include "vtkChiCarry.h"
 #include "vtkChiExec.h"
+#include "vtkChiFiberCarry.h"
 #include "vtkChiGridInput.h"
 #include "vtkChiInputTools.h"
 #include "vtkChiPages.h"
@@ -26,6 +26,7 @@
 #include "vtkTable.h"
 #include "vtkTypeInt64Array.h"
 #include "vtkUnsignedCharArray.h"
+#include "vtkUnstructuredGrid.h"
 
 #include <chiaroscuro/chi_fiber.h>
 
@@ -56,80 +57,13 @@ vtkChiFiberSurface::vtkChiFiberSurface()
   : Internal(new Internals)
 {
   this->SetNumberOfInputPorts(2);
-  this->SetNumberOfOutputPorts(2);
+  this->SetNumberOfOutputPorts(3);
 }
 
 vtkChiFiberSurface::~vtkChiFiberSurface() = default;
 
 namespace
 {
-bool IsGhosts(vtkAbstractArray* array)
-{
-  return array->GetName() &&
-    std::strcmp(array->GetName(), vtkDataSetAttributes::GhostArrayName()) == 0;
-}
-
-chi_status CarryPointData(const chi_exec* exec, const chi_fiber* fiber, vtkPointData* in,
-  vtkPointData* out, vtkIdType count)
-{
-  vtkSmartPointer<vtkIdList> nearest;
-  for (int i = 0; i < in->GetNumberOfArrays(); ++i)
-  {
-    vtkAbstractArray* const source = in->GetAbstractArray(i);
-    if (IsGhosts(source)) // what they hide has no surface
-    {
-      continue;
-    }
-    auto array = vtkChiNewLike(source, count);
-    vtkDataArray* const numbers = vtkDataArray::SafeDownCast(source);
-    vtkDataArray* const result = vtkDataArray::SafeDownCast(array);
-    if (count > 0 && vtkChiArrayView::IsDirect(numbers) && vtkChiArrayView::IsDirect(result))
-    {
-      const vtkChiArrayView view(numbers);
-      const chi_status status =
-        chi_fiber_attribute(exec, fiber, view.Get(), result->GetVoidPointer(0), view.Get()->stride);
-      if (status != CHI_OK)
-      {
-        return status;
-      }
-    }
-    else if (count > 0)
-    {
-      if (!nearest)
-      {
-        std::vector<std::int64_t> ids(static_cast<std::size_t>(count));
-        const chi_status status = chi_fiber_nearest(exec, fiber, ids.data());
-        if (status != CHI_OK)
-        {
-          return status;
-        }
-        nearest = vtkChiToIdList(ids);
-      }
-      source->GetTuples(nearest, array);
-    }
-    vtkChiAddLike(out, array, in, i);
-  }
-  return CHI_OK;
-}
-
-void CarryCellData(vtkCellData* in, vtkCellData* out, const std::vector<std::int64_t>& cells)
-{
-  const auto ids = vtkChiToIdList(cells);
-  for (int i = 0; i < in->GetNumberOfArrays(); ++i)
-  {
-    vtkAbstractArray* const source = in->GetAbstractArray(i);
-    if (!IsGhosts(source))
-    {
-      auto array = vtkChiNewLike(source, ids->GetNumberOfIds());
-      if (ids->GetNumberOfIds() > 0)
-      {
-        source->GetTuples(ids, array);
-      }
-      vtkChiAddLike(out, array, in, i);
-    }
-  }
-}
-
 vtkSmartPointer<vtkIdTypeArray> NewIds(const char* name, std::size_t count)
 {
   auto array = vtkSmartPointer<vtkIdTypeArray>::New();
@@ -158,7 +92,8 @@ int vtkChiFiberSurface::FillInputPortInformation(int port, vtkInformation* info)
 //------------------------------------------------------------------------------
 int vtkChiFiberSurface::FillOutputPortInformation(int port, vtkInformation* info)
 {
-  info->Set(vtkDataObject::DATA_TYPE_NAME(), port == 0 ? "vtkPolyData" : "vtkDataSet");
+  static const char* const types[] = { "vtkPolyData", "vtkDataSet", "vtkUnstructuredGrid" };
+  info->Set(vtkDataObject::DATA_TYPE_NAME(), types[port]);
   return 1;
 }
 
@@ -174,6 +109,11 @@ vtkTypeBool vtkChiFiberSurface::ProcessRequest(
   {
     vtkNew<vtkPolyData> surface;
     outputs->GetInformationObject(0)->Set(vtkDataObject::DATA_OBJECT(), surface);
+  }
+  if (!vtkUnstructuredGrid::GetData(outputs, 2))
+  {
+    vtkNew<vtkUnstructuredGrid> enclosed;
+    outputs->GetInformationObject(2)->Set(vtkDataObject::DATA_OBJECT(), enclosed);
   }
   vtkDataObject* const input = vtkDataObject::GetData(inputs[0]);
   vtkDataObject* const masked = vtkDataObject::GetData(outputs, 1);
@@ -200,6 +140,7 @@ int vtkChiFiberSurface::RequestData(vtkInformation* vtkNotUsed(request),
   internal.Sizes = {};
   this->NumberOfSegments = this->NumberOfEmptySegments = this->NumberOfCrossings = 0;
   this->NumberOfSkippedCells = this->NumberOfComponents = this->NumberOfSmallComponents = 0;
+  this->EnclosedVolume = 0;
   if (!input)
   {
     vtkErrorMacro("the input is a " << (given ? given->GetClassName() : "null")
@@ -403,9 +344,10 @@ int vtkChiFiberSurface::RequestData(vtkInformation* vtkNotUsed(request),
     mask->SetNumberOfTuples(input->GetNumberOfCells());
     status = chi_fiber_mask(exec.Get(), internal.Fiber, mask->GetPointer(0));
   }
-  status = status == CHI_OK ? CarryPointData(exec.Get(), internal.Fiber, input->GetPointData(),
-                                output->GetPointData(), pointCount)
-                            : status;
+  status = status == CHI_OK
+    ? vtkChiCarryPointData(exec.Get(), internal.Fiber, chi_fiber_attribute, chi_fiber_nearest,
+        input->GetPointData(), output->GetPointData(), pointCount)
+    : status;
   if (status != CHI_OK)
   {
     output->Initialize();
@@ -426,7 +368,7 @@ int vtkChiFiberSurface::RequestData(vtkInformation* vtkNotUsed(request),
     output->GetPointData()->SetNormals(normals);
   }
   output->GetPointData()->AddArray(parameter);
-  CarryCellData(input->GetCellData(), output->GetCellData(), cells);
+  vtkChiCarryCellData(input->GetCellData(), output->GetCellData(), cells);
   auto ids = NewIds("SegmentId", segments.size());
   std::copy(segments.begin(), segments.end(), ids->GetPointer(0));
   output->GetCellData()->AddArray(ids);
@@ -440,6 +382,72 @@ int vtkChiFiberSurface::RequestData(vtkInformation* vtkNotUsed(request),
   {
     masked->GetCellData()->AddArray(mask);
   }
+
+  // 6. What is enclosed; an error leaves nothing of the surface either.
+  if (this->GenerateEnclosedCells &&
+    !this->Enclose(input, vtkUnstructuredGrid::GetData(outputVector, 2), isDouble))
+  {
+    output->Initialize();
+    masked->Initialize();
+    return 0;
+  }
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkChiFiberSurface::Enclose(vtkDataSet* input, vtkUnstructuredGrid* output, bool isDouble)
+{
+  const vtkChiExec exec(this);
+  chi_fiber* const fiber = this->Internal->Fiber;
+  chi_fiber_enclosed_sizes sizes = {};
+  chi_status status = chi_fiber_enclose(exec.Get(), fiber, &sizes);
+  if (status == CHI_ERROR_INVALID_ARGUMENT && sizes.open_segments > 0)
+  {
+    vtkErrorMacro("the polygon encloses nothing, since lines with "
+      << sizes.open_segments
+      << " of its segments do not end where they begin; CloseLines closes them");
+    return 0;
+  }
+  output->GetFieldData()->PassData(input->GetFieldData());
+  vtkNew<vtkPoints> points;
+  points->SetDataType(isDouble ? VTK_DOUBLE : VTK_FLOAT);
+  vtkNew<vtkTypeInt64Array> offsets, connectivity;
+  std::vector<std::int64_t> cells(sizes.cells);
+  if (status == CHI_OK)
+  {
+    points->SetNumberOfPoints(static_cast<vtkIdType>(sizes.points));
+    offsets->SetNumberOfTuples(static_cast<vtkIdType>(sizes.cells) + 1);
+    connectivity->SetNumberOfTuples(4 * static_cast<vtkIdType>(sizes.cells));
+    vtkChiAdvisePages(points->GetData());
+    vtkChiAdvisePages(connectivity);
+    chi_fiber_enclosed_outputs outputs = {};
+    outputs.struct_size = sizeof outputs;
+    outputs.points = points->GetVoidPointer(0);
+    outputs.point_type = isDouble ? CHI_F64 : CHI_F32;
+    outputs.offsets = reinterpret_cast<int64_t*>(offsets->GetPointer(0));
+    outputs.connectivity = reinterpret_cast<int64_t*>(connectivity->GetPointer(0));
+    outputs.cell_ids = cells.data();
+    status = chi_fiber_enclosed_write(exec.Get(), fiber, &outputs);
+  }
+  status = status == CHI_OK ? vtkChiCarryPointData(exec.Get(), fiber, chi_fiber_enclosed_attribute,
+                                chi_fiber_enclosed_nearest, input->GetPointData(),
+                                output->GetPointData(), static_cast<vtkIdType>(sizes.points))
+                            : status;
+  if (status != CHI_OK)
+  {
+    output->Initialize();
+    if (status != CHI_ERROR_CANCELLED)
+    {
+      vtkErrorMacro("cutting out what the polygon encloses failed: " << chi_status_string(status));
+    }
+    return status == CHI_ERROR_CANCELLED;
+  }
+  vtkNew<vtkCellArray> tetrahedra;
+  tetrahedra->SetData(offsets, connectivity);
+  output->SetPoints(points);
+  output->SetCells(VTK_TETRA, tetrahedra);
+  vtkChiCarryCellData(input->GetCellData(), output->GetCellData(), cells);
+  this->EnclosedVolume = sizes.volume;
   return 1;
 }
 
@@ -488,6 +496,8 @@ void vtkChiFiberSurface::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "ExtractComponents: " << this->ExtractComponents << "\n";
   os << indent << "MinimumArea: " << this->MinimumArea << "\n";
   os << indent << "GenerateMask: " << this->GenerateMask << "\n";
+  os << indent << "GenerateEnclosedCells: " << this->GenerateEnclosedCells << "\n";
+  os << indent << "EnclosedVolume: " << this->EnclosedVolume << "\n";
   os << indent << "OutputPointsPrecision: " << this->OutputPointsPrecision << "\n";
   os << indent << "SkippingMask: " << this->SkippingMask << "\n";
   os << indent << "NumberOfSegments: " << this->NumberOfSegments << "\n";

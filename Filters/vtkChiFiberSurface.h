@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class   vtkChiFiberSurface
- * @brief   the surface on which two fields take the values of a polygon, and the cells inside
+ * @brief   the surface on which two fields take the values of a polygon, and what it encloses
  *
  * Input port 0 takes any data set with cells of volume and two arrays of points, chosen by
  * SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, name) and
@@ -22,6 +22,14 @@
  * touch the inside of the closed polygons, so that a brush in a scatterplot selects cells
  * (vtkThreshold extracts them).
  *
+ * Output port 2 is what the closed polygons enclose: the part of the data set whose values lie
+ * inside of an odd number of them (the rule of even and odd, as for the mask), as right-handed
+ * tetrahedra (vtkUnstructuredGrid) that are cut exactly along the fiber surface, and share whole
+ * faces. They are also cut where lines between the polygon's corners, which divide it into
+ * triangles, have their fiber surfaces; tetrahedra of the split that neither passes are as they
+ * were. Where values lie exactly on the polygon some cells are flat. Point and cell data are
+ * carried along as to the surface. Its volume is GetEnclosedVolume().
+ *
  * Cell data are refused: vtkCellDataToPointData makes point data of them. Composite data sets are
  * refused: vtkMergeBlocks, or the filter on each block.
  *
@@ -38,6 +46,9 @@
 #include "vtkPolyDataAlgorithm.h"
 
 #include <memory> // For the private part
+
+class vtkDataSet;
+class vtkUnstructuredGrid;
 
 class VTKCHIFILTERS_EXPORT vtkChiFiberSurface : public vtkPolyDataAlgorithm
 {
@@ -116,6 +127,22 @@ public:
 
   ///@{
   /**
+   * Fill output port 2; off, it is empty. Polygons that are not closed are an error then. Default
+   * off.
+   */
+  vtkSetMacro(GenerateEnclosedCells, bool);
+  vtkGetMacro(GenerateEnclosedCells, bool);
+  vtkBooleanMacro(GenerateEnclosedCells, bool);
+  ///@}
+
+  /**
+   * What the cells of output port 2 hold, in units of length cubed, of points in double precision;
+   * 0 where they were not asked for.
+   */
+  vtkGetMacro(EnclosedVolume, double);
+
+  ///@{
+  /**
    * vtkAlgorithm::SINGLE_PRECISION, DOUBLE_PRECISION, or DEFAULT_PRECISION (default): that of the
    * input's points, single where it has none.
    */
@@ -173,6 +200,8 @@ private:
   vtkChiFiberSurface(const vtkChiFiberSurface&) = delete;
   void operator=(const vtkChiFiberSurface&) = delete;
 
+  int Enclose(vtkDataSet* input, vtkUnstructuredGrid* output, bool isDouble);
+
   int Component[2] = { 0, 0 };
   bool CloseLines = false;
   bool SplitCorners = false;
@@ -180,6 +209,7 @@ private:
   bool ExtractComponents = false;
   double MinimumArea = 0;
   bool GenerateMask = false;
+  bool GenerateEnclosedCells = false;
   int OutputPointsPrecision = DEFAULT_PRECISION;
   int SkippingMask = SKIP_EVERY_KIND;
 
@@ -189,6 +219,7 @@ private:
   vtkIdType NumberOfSkippedCells = 0;
   vtkIdType NumberOfComponents = 0;
   vtkIdType NumberOfSmallComponents = 0;
+  double EnclosedVolume = 0;
 
   struct Internals;
   std::unique_ptr<Internals> Internal;

@@ -12,7 +12,7 @@
  * Tetrahedra are made by joining the first corner, in an order of names that all polyhedra share,
  * with the triangles of the faces it is not in, which are fans from their own first corners. A face
  * is so divided alike on both of its sides. Source: De Loera, Rambau & Santos, "Triangulations",
- * 2010, section 4.3.1 (pulling).
+ * 2010, chapter 4 (pulling).
  */
 
 #include "chi_fiber_internal.h"

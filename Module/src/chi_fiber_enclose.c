@@ -309,7 +309,7 @@ static void find_whole(void* data, size_t begin, size_t end)
     const size_t first = b * CHI_FIBER_ENCLOSED_BLOCK;
     const size_t last = chi_grid_chunk_end(first, CHI_FIBER_ENCLOSED_BLOCK, job->index->tetrahedra);
     size_t count = 0;
-    double volume = 0;
+    double volume = 0, lost = 0; /* many alike round off alike */
     for (size_t t = first; t < last; ++t)
     {
       uint32_t v[4];
@@ -317,7 +317,9 @@ static void find_whole(void* data, size_t begin, size_t end)
       if (chi_fiber_is_whole(job->index, e, t, v, &cell))
       {
         ++count;
-        volume += fabs(chi_fiber_six_volumes(job->index, v));
+        double low;
+        volume = chi_two_sum(volume, fabs(chi_fiber_six_volumes(job->index, v)), &low);
+        lost += low;
         for (int k = 0; k < 4; ++k)
         {
           atomic_store_explicit(e->is_used + v[k], 1, memory_order_relaxed);
@@ -325,7 +327,7 @@ static void find_whole(void* data, size_t begin, size_t end)
       }
     }
     e->first_whole[b + 1] = count;
-    e->sums[b] = volume;
+    e->sums[b] = volume + lost;
   }
 }
 

@@ -8,7 +8,7 @@
  * done again until nothing crosses. Then a box is triangulated with all corners, the pieces are
  * forced in by turning diagonals, and the triangles are told apart from without. All signs are
  * exact. Source: Sloan, "A fast algorithm for generating constrained Delaunay triangulations",
- * 1993, section 3.2 (forcing sides in). Diagonals are turned to the shorter one in the end, which
+ * 1993 (forcing sides in). Diagonals are turned to the shorter one in the end, which
  * is all that shape is asked for here.
  */
 

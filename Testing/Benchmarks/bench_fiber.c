@@ -160,7 +160,8 @@ static double area_of(const float* x, const int64_t* ids, size_t count)
 
 typedef struct times
 {
-  double first, further, write, area;
+  double first, further, write, enclose, area, volume;
+  chi_fiber_enclosed_sizes enclosed;
   chi_fiber_sizes sizes;
 } times;
 
@@ -181,7 +182,7 @@ static times run(const chi_grid_view* grid, const scene* s, int threads, double 
     .polygon = circle(points, offsets, u, v, radius, segments) };
   chi_fiber_params other = params;
   other.polygon = circle(others, other_offsets, u, v, radius * 0.98, segments);
-  times t = { INFINITY, INFINITY, INFINITY, 0, { 0 } };
+  times t = { .first = INFINITY, .further = INFINITY, .write = INFINITY, .enclose = INFINITY };
   for (int i = 0; i < CHI_BENCH_RUNS; ++i)
   {
     chi_fiber* fiber = NULL;
@@ -214,6 +215,22 @@ static times run(const chi_grid_view* grid, const scene* s, int threads, double 
     const double t4 = chi_bench_now();
     must(chi_fiber_write(&exec, fiber, &out) == CHI_OK, "write");
     const double t5 = chi_bench_now();
+    must(chi_fiber_enclose(&exec, fiber, &t.enclosed) == CHI_OK, "enclose");
+    float* const places = room(3 * t.enclosed.points + 1, sizeof *places);
+    int64_t* const cells = room(4 * t.enclosed.cells + 1, sizeof *cells);
+    int64_t* const from = room(2 * t.enclosed.cells + 1, sizeof *from);
+    const chi_fiber_enclosed_outputs enclosed = { .struct_size = sizeof enclosed,
+      .points = places,
+      .point_type = CHI_F32,
+      .offsets = from,
+      .connectivity = cells,
+      .cell_ids = from + t.enclosed.cells + 1 };
+    must(chi_fiber_enclosed_write(&exec, fiber, &enclosed) == CHI_OK, "write");
+    t.enclose = fmin(t.enclose, chi_bench_now() - t5);
+    t.volume = t.enclosed.volume;
+    free(places);
+    free(cells);
+    free(from);
     t.first = fmin(t.first, t2 - t0);
     t.further = fmin(t.further, t5 - t3);
     t.write = fmin(t.write, fmin(t2 - t1, t5 - t4));
@@ -227,6 +244,18 @@ static times run(const chi_grid_view* grid, const scene* s, int threads, double 
   free(points);
   free(others);
   return t;
+}
+
+static void print_enclosed(
+  const char* of, const times* t, int threads, double error, const char* kind)
+{
+  printf(
+    "fiber,%s,enclosed cells,%zu cells of which %zu whole %.1f bytes a tetrahedron,%zu,%d,%.0f,"
+    "%.3g,%s\n",
+    of, t->enclosed.cells, t->enclosed.whole_cells,
+    (double)t->enclosed.scratch_bytes / (double)t->sizes.tetrahedra, t->sizes.tetrahedra, threads,
+    t->enclose, error, kind);
+  fflush(stdout);
 }
 
 static void print(const char* of, const char* method, const times* t, int threads, double ns,
@@ -245,7 +274,7 @@ int main(int argc, char** argv)
   for (size_t n = 32; n <= most; n *= 2)
   {
     scene s = make_scene(n, 0);
-    double area = 0;
+    double area = 0, volume = 0;
     for (int threads = 1; threads <= 2; ++threads)
     {
       for (int is_image = 0; is_image < 2; ++is_image)
@@ -257,6 +286,8 @@ int main(int argc, char** argv)
         print(of, "first call", &t, threads, t.first, error, "area between grids");
         print(of, "index kept", &t, threads, t.further, error, "area between grids");
         print(of, "writing alone", &t, threads, t.write, error, "area between grids");
+        volume = volume > 0 ? volume : t.volume;
+        print_enclosed(of, &t, threads, fabs(t.volume / volume - 1), "volume between grids");
       }
     }
     drop_scene(&s);
@@ -267,6 +298,7 @@ int main(int argc, char** argv)
     const times t = run(&s.list, &s, 1, 0.55, 0.05, 0.3, 2 * n);
     print("torus", "index kept", &t, 1, t.further, fabs(t.area / (4 * pi * pi * 0.55 * 0.3) - 1),
       "area");
+    print_enclosed("torus", &t, 1, fabs(t.volume / (2 * pi * pi * 0.55 * 0.09) - 1), "volume");
     drop_scene(&s);
   }
   return 0;

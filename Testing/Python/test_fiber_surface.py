@@ -13,7 +13,7 @@ from vtkmodules.vtkCommonDataModel import (VTK_TETRA, vtkCellArray, vtkDataObjec
 from vtkmodules.vtkFiltersCore import vtkFeatureEdges, vtkMassProperties, vtkThreshold
 from vtkmodules.vtkFiltersGeneral import vtkDataSetTriangleFilter
 
-from chiaroscuro import vtkChiFiberSurface
+from chiaroscuro import vtkChiContinuousScatterplot, vtkChiFiberSurface
 
 try:
     from vtkmodules.vtkFiltersTopology import vtkFiberSurface
@@ -259,6 +259,86 @@ class FiberSurface(unittest.TestCase):
         threshold.Update()
         self.assertEqual(threshold.GetOutput().GetNumberOfCells(), mask.sum())
         self.assertEqual(self.filter(data, polygon(circle())).GetOutputDataObject(1).GetNumberOfCells(), 0)
+
+    def volumes(self, grid):
+        x = places(grid)
+        t = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 4)
+        e = [x[t[:, k]] - x[t[:, 0]] for k in (1, 2, 3)]
+        return np.einsum("ij,ij->i", np.cross(e[0], e[1]), e[2]) / 6
+
+    def test_enclosed_cells_are_a_torus(self):
+        data = ring()
+        data.GetCellData().AddArray(named(np.arange(data.GetNumberOfCells()), "id"))
+        fiber = self.filter(data, polygon(circle(), closed=True), GenerateEnclosedCells=True, GenerateMask=True,
+                            OutputPointsPrecision=1)
+        self.assertEqual(self.messages.errors + self.messages.warnings, [])
+        grid = fiber.GetOutputDataObject(2)
+        self.assertTrue(grid.IsA("vtkUnstructuredGrid"))
+        self.assertEqual(set(vtk_to_numpy(grid.GetCellTypesArray())), {VTK_TETRA})
+        volumes = self.volumes(grid)
+        self.assertGreater(volumes.min(), -1e-16)  # rounding of places below 1
+        self.assertLess(abs(volumes.sum() / fiber.GetEnclosedVolume() - 1), 1e-12)
+        self.assertLess(abs(volumes.sum() / (2 * math.pi**2 * 0.55 * 0.09) - 1), 0.05)
+        mass = vtkMassProperties()
+        mass.SetInputData(fiber.GetOutput())
+        self.assertLess(abs(mass.GetVolume() / volumes.sum() - 1), 1e-12)
+        # every face is shared or on the surface, by ids
+        t = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 4)
+        faces = np.sort(np.concatenate([t[:, k] for k in ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2))]), axis=1)
+        rim, uses = np.unique(faces, axis=0, return_counts=True)
+        x = places(grid)[rim[uses == 1]]
+        on_rim = 0.5 * np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1).sum()
+        self.assertLess(abs(on_rim / area(fiber.GetOutput()).sum() - 1), 1e-12)
+        self.assertEqual(uses.max(), 2)
+        # data are carried, and the cells are those of the mask
+        u, v = (vtk_to_numpy(grid.GetPointData().GetArray(name)) for name in "uv")
+        self.assertLess(np.hypot(u - 0.55, v - 0.05).max(), 0.3 + 1e-15)
+        self.assertLess(np.abs(v - places(grid)[:, 2]).max(), 1e-15)
+        mask = vtk_to_numpy(fiber.GetOutputDataObject(1).GetCellData().GetArray("FiberMask"))
+        ids = vtk_to_numpy(grid.GetCellData().GetArray("id"))
+        self.assertTrue(np.array_equal(np.unique(ids), np.nonzero(mask)[0]))
+        self.assertEqual(self.filter(data, polygon(circle())).GetOutputDataObject(2).GetNumberOfCells(), 0)
+
+    def test_enclosed_volume_is_mass_of_scatterplot(self):
+        data = with_fields(image(8), lambda x: np.sin(2 * x[:, 0] + x[:, 1]), lambda x: np.cos(x[:, 2] - 2 * x[:, 0]))
+        plot = vtkChiContinuousScatterplot()
+        plot.SetInputData(data)
+        for i, name in enumerate("uv"):
+            plot.SetInputArrayToProcess(i, 0, 0, POINTS, name)
+            plot.SetRange(i, -1, 1)
+        plot.SetAutomaticRange(False)
+        plot.SetDimensions(16, 16)
+        plot.Update()
+        density = vtk_to_numpy(plot.GetOutput().GetPointData().GetArray("Density")).reshape(16, 16)
+        mass = density[6:13, 3:9].sum() * 0.125**2
+        low, high = np.array([3, 6]) / 8 - 1, np.array([9, 13]) / 8 - 1
+        corners = [low, (high[0], low[1]), high, (low[0], high[1])]
+        fiber = self.filter(data, polygon(corners, closed=True), GenerateEnclosedCells=True)
+        self.assertGreater(mass, 0.5)
+        self.assertLess(abs(fiber.GetEnclosedVolume() - mass), 1e-9)  # bins are whole numbers of a quantum of the mass
+        self.assertEqual(fiber.GetOutputDataObject(2).GetPoints().GetDataType(), 10)  # VTK_FLOAT, as images have
+
+    def test_enclosed_cells_of_any_data_set(self):
+        data = ring(10)
+        split = vtkDataSetTriangleFilter()
+        split.SetInputData(data)
+        split.Update()
+        crossing = circle(count=5)[[0, 2, 4, 1, 3]]
+        for shape in (polygon(circle(), closed=True), polygon(crossing, closed=True),
+                      polygon(circle(), circle(radius=0.2), closed=True)):
+            volumes = [self.filter(x, shape, GenerateEnclosedCells=True).GetEnclosedVolume()
+                       for x in (data, split.GetOutput())]
+            self.assertGreater(volumes[0], 0.1)
+            self.assertLess(abs(volumes[0] / volumes[1] - 1), 0.05)  # another split
+        none = self.filter(data, polygon(circle(u=9), closed=True), GenerateEnclosedCells=True)
+        self.assertEqual((none.GetEnclosedVolume(), none.GetOutputDataObject(2).GetNumberOfCells()), (0, 0))
+        all_of_it = self.filter(data, polygon(circle(radius=9), closed=True), GenerateEnclosedCells=True)
+        self.assertLess(abs(all_of_it.GetEnclosedVolume() - 8), 1e-13)
+
+    def test_open_polygons_enclose_nothing(self):
+        self.refused(ring(), polygon(circle()), "23 of its segments", "CloseLines", GenerateEnclosedCells=True)
+        fiber = self.filter(ring(), polygon(circle()), GenerateEnclosedCells=True, CloseLines=True)
+        self.assertGreater(fiber.GetEnclosedVolume(), 0.9)
 
     def test_unchanged_inputs_are_kept(self):
         data, shape = ring(), polygon(circle(), closed=True)

@@ -224,7 +224,7 @@ typedef struct chi_fiber_enclosed_outputs
  * Non-finite   as of the surface: such tetrahedra are left out.
  * Cost         O(tetrahedra), and the pairs as in chi_fiber_extract; the polygon's triangles O(n^2)
  * at most for n corners.
- * Source       De Loera, Rambau & Santos, "Triangulations", 2010, section 4.3.1 (pulling); Sloan,
+ * Source       De Loera, Rambau & Santos, "Triangulations", 2010, chapter 4 (pulling); Sloan,
  * "A fast algorithm for generating constrained Delaunay triangulations", 1993.
  */
 CHI_API CHI_NODISCARD chi_status chi_fiber_enclose(
