@@ -171,6 +171,8 @@ class Color(unittest.TestCase):
 
     def test_equal_factors_are_grey(self):
         scene, mapper = ball_before_a_wall()
+        # which light is 1 or 0 all over a piece depends on the factor: every piece counts here
+        mapper.SetSkippingMask(mapper.SKIP_EVERY_KIND & ~mapper.SKIP_SATURATED_LIGHT)
         scene.window.Render()
         plain = float_image(mapper)
         updates = mapper.GetNumberOfLightUpdates()
@@ -178,8 +180,7 @@ class Color(unittest.TestCase):
         mapper.SetAttenuationColor(2.0, 2.0, 2.0)
         scene.window.Render()
         self.assertEqual(colors_of_visibility(mapper).shape[2], 1)
-        # one field: three would triple them; rims of thicker shadows count as shadow a little farther out
-        self.assertLess(abs(mapper.GetNumberOfLightUpdates() / updates - 1.0), 0.1)
+        self.assertEqual(mapper.GetNumberOfLightUpdates(), updates)
         mapper.SetAttenuationColor(1.0, 1.0, 1.0)
         scene.window.Render()
         self.assertEqual(np.abs(float_image(mapper) - plain).max(), 0.0)
