@@ -5,61 +5,12 @@
  * Fields from derivatives of a signal like that of Marschner and Lobb in float, run time against
  * error: the gradient's magnitude alone and all four fields, of order 2 and 4, on images and on the
  * same points as other grids. n is the number of points; the error is the mean one of the first
- * field over its range. Beside them what memory gives: a triad of as many floats, whose error
- * column is its bandwidth in GB/s. Prints CSV.
+ * field over its range. Beside them what memory gives: a triad, whose error column is its
+ * bandwidth in GB/s. Prints CSV.
  */
 
 #include "chi_bench.h"
 #include "derived_fields.h"
-
-static void must(int holds, const char* what)
-{
-  if (!holds)
-  {
-    fprintf(stderr, "%s failed\n", what);
-    exit(1);
-  }
-}
-
-typedef struct triad_job
-{
-  float *a, *b, *c;
-} triad_job;
-
-enum
-{
-  PIECE = 1 << 16
-};
-
-static void triad(void* data, size_t begin, size_t end)
-{
-  const triad_job* const job = (const triad_job*)data;
-  for (size_t i = begin * PIECE; i < end * PIECE; ++i)
-  {
-    job->a[i] = job->b[i] + 0.5f * job->c[i];
-  }
-}
-
-/* Three arrays of n floats, n a multiple of PIECE. */
-static void measure_memory(size_t n, int threads)
-{
-  chi_bench_pool pool = { threads };
-  triad_job job = { derived_room(n * 4), derived_room(n * 4), derived_room(n * 4) };
-  memset(job.a, 0, n * 4);
-  memset(job.b, 0, n * 4);
-  memset(job.c, 0, n * 4);
-  double best = INFINITY;
-  for (int i = 0; i < CHI_BENCH_RUNS; ++i)
-  {
-    const double start = chi_bench_now();
-    chi_bench_for(&pool, n / PIECE, triad, &job);
-    best = fmin(best, chi_bench_now() - start);
-  }
-  printf("derived,memory,triad,,%zu,%d,%.0f,%.3g,GB/s\n", n, threads, best, 12 * (double)n / best);
-  free(job.a);
-  free(job.b);
-  free(job.c);
-}
 
 /* A grid over the points of an image, its field in float. */
 typedef struct bench_grid
@@ -141,7 +92,8 @@ static void run(const bench_grid* g, int most_threads)
         for (int i = 0; i < CHI_BENCH_RUNS; ++i)
         {
           const double start = chi_bench_now();
-          must(chi_derived_compute(&exec, &g->view, &view, &params, &arrays, &counts) == CHI_OK,
+          chi_bench_must(
+            chi_derived_compute(&exec, &g->view, &view, &params, &arrays, &counts) == CHI_OK,
             "chi_derived_compute");
           best = fmin(best, chi_bench_now() - start);
         }
@@ -204,13 +156,13 @@ static void run_kinds(size_t n, int with_points)
   run(&g, 2);
   g.name = "tetrahedra";
   chi_grid_counts counts;
-  must(chi_grid_count(NULL, &image.view, &counts) == CHI_OK, "chi_grid_count");
+  chi_bench_must(chi_grid_count(NULL, &image.view, &counts) == CHI_OK, "chi_grid_count");
   uint32_t* const vertices = derived_room(4 * counts.tetrahedra * sizeof *vertices);
   int64_t* const ids = derived_room(4 * counts.tetrahedra * sizeof *ids);
   int64_t* const offsets = derived_room((counts.tetrahedra + 1) * sizeof *offsets);
   uint8_t* const types = derived_room(counts.tetrahedra);
   const chi_grid_tetrahedra split = { .struct_size = sizeof split, .vertices = vertices };
-  must(chi_grid_split(NULL, &image.view, &counts, &split) == CHI_OK, "chi_grid_split");
+  chi_bench_must(chi_grid_split(NULL, &image.view, &counts, &split) == CHI_OK, "chi_grid_split");
   for (size_t t = 0; t <= counts.tetrahedra; ++t)
   {
     offsets[t] = (int64_t)(4 * t);
@@ -240,12 +192,12 @@ int main(void)
   printf(CHI_BENCH_HEADER);
   for (int threads = 1; threads <= 2; ++threads)
   {
-    measure_memory((size_t)1 << 24, threads);
+    chi_bench_triad("derived", threads);
   }
   run_kinds(32, 1);
   run_kinds(64, 1);
   run_kinds(128, 0);
   run_kinds(256, 0);
-  measure_memory((size_t)1 << 24, 2);
+  chi_bench_triad("derived", 2);
   return 0;
 }

@@ -19,22 +19,6 @@
 
 static const double pi = 3.14159265358979323846;
 
-static void must(int holds, const char* what)
-{
-  if (!holds)
-  {
-    fprintf(stderr, "%s failed\n", what);
-    exit(1);
-  }
-}
-
-static void* room(size_t count, size_t size)
-{
-  void* const block = malloc(count * size);
-  must(block != NULL, "malloc");
-  return block;
-}
-
 /* Marschner & Lobb 1994, Eq. 1, in [-1, 1]^3: alpha 0.25, f_M 6. */
 static double signal(double x, double y, double z)
 {
@@ -59,9 +43,9 @@ static scene make_scene(size_t n, int is_torus)
     .dimensions = { p, p, p },
     .index_to_world = { h, 0, 0, -1, 0, h, 0, -1, 0, 0, h, -1, 0, 0, 0, 1 },
     .version = 1 };
-  float* const x = room(points, 3 * sizeof *x);
-  s.fields[0] = room(points, sizeof(float));
-  s.fields[1] = room(points, sizeof(float));
+  float* const x = chi_bench_room(points, 3 * sizeof *x);
+  s.fields[0] = chi_bench_room(points, sizeof(float));
+  s.fields[1] = chi_bench_room(points, sizeof(float));
   for (size_t i = 0; i < points; ++i)
   {
     const double at[3] = { h * (double)(i % p) - 1, h * (double)(i / p % p) - 1,
@@ -75,14 +59,14 @@ static scene make_scene(size_t n, int is_torus)
     }
   }
   chi_grid_counts counts;
-  must(chi_grid_count(NULL, &s.image, &counts) == CHI_OK, "count");
-  must(counts.tetrahedra == count, "count");
-  uint32_t* const vertices = room(count, 4 * sizeof *vertices);
+  chi_bench_must(chi_grid_count(NULL, &s.image, &counts) == CHI_OK, "count");
+  chi_bench_must(counts.tetrahedra == count, "count");
+  uint32_t* const vertices = chi_bench_room(count, 4 * sizeof *vertices);
   const chi_grid_tetrahedra out = { .struct_size = sizeof out, .vertices = vertices };
-  must(chi_grid_split(NULL, &s.image, &counts, &out) == CHI_OK, "split");
-  uint8_t* const types = room(count, 1);
-  int64_t* const offsets = room(count + 1, sizeof *offsets);
-  int64_t* const ids = room(4 * count, sizeof *ids);
+  chi_bench_must(chi_grid_split(NULL, &s.image, &counts, &out) == CHI_OK, "split");
+  uint8_t* const types = chi_bench_room(count, 1);
+  int64_t* const offsets = chi_bench_room(count + 1, sizeof *offsets);
+  int64_t* const ids = chi_bench_room(4 * count, sizeof *ids);
   for (size_t t = 0; t < count; ++t)
   {
     types[t] = 10;
@@ -173,8 +157,8 @@ static times run(const chi_grid_view* grid, const scene* s, int threads, double 
   const size_t n = s->n + 1;
   const chi_array_view fields[2] = { { s->fields[0], n * n * n, 1, sizeof(float), CHI_F32 },
     { s->fields[1], n * n * n, 1, sizeof(float), CHI_F32 } };
-  double(*const points)[3] = room(MOST_SEGMENTS + 1, sizeof *points);
-  double(*const others)[3] = room(MOST_SEGMENTS + 1, sizeof *others);
+  double(*const points)[3] = chi_bench_room(MOST_SEGMENTS + 1, sizeof *points);
+  double(*const others)[3] = chi_bench_room(MOST_SEGMENTS + 1, sizeof *others);
   int64_t offsets[2], other_offsets[2];
   chi_fiber_params params = { .struct_size = sizeof params,
     .fields = { fields, fields + 1 },
@@ -186,16 +170,16 @@ static times run(const chi_grid_view* grid, const scene* s, int threads, double 
   for (int i = 0; i < CHI_BENCH_RUNS; ++i)
   {
     chi_fiber* fiber = NULL;
-    must(chi_fiber_create(&exec, &fiber) == CHI_OK, "create");
+    chi_bench_must(chi_fiber_create(&exec, &fiber) == CHI_OK, "create");
     const double t0 = chi_bench_now();
-    must(chi_fiber_extract(&exec, fiber, grid, &params) == CHI_OK, "extract");
+    chi_bench_must(chi_fiber_extract(&exec, fiber, grid, &params) == CHI_OK, "extract");
     chi_fiber_get_sizes(fiber, &t.sizes);
     /* as a caller does who has just made its arrays */
-    float* const x = room(3 * t.sizes.points + 1, sizeof *x);
-    float* const normals = room(3 * t.sizes.points + 1, sizeof *normals);
-    float* const parameter = room(t.sizes.points + 1, sizeof *parameter);
-    int64_t* const ids = room(3 * t.sizes.triangles + 1, sizeof *ids);
-    int64_t* const numbers = room(3 * t.sizes.triangles + 4, sizeof *numbers);
+    float* const x = chi_bench_room(3 * t.sizes.points + 1, sizeof *x);
+    float* const normals = chi_bench_room(3 * t.sizes.points + 1, sizeof *normals);
+    float* const parameter = chi_bench_room(t.sizes.points + 1, sizeof *parameter);
+    int64_t* const ids = chi_bench_room(3 * t.sizes.triangles + 1, sizeof *ids);
+    int64_t* const numbers = chi_bench_room(3 * t.sizes.triangles + 4, sizeof *numbers);
     const chi_fiber_outputs out = { .struct_size = sizeof out,
       .points = x,
       .point_type = CHI_F32,
@@ -206,26 +190,26 @@ static times run(const chi_grid_view* grid, const scene* s, int threads, double 
       .segment_ids = numbers + t.sizes.triangles + 1,
       .cell_ids = numbers + 2 * t.sizes.triangles + 1 };
     const double t1 = chi_bench_now();
-    must(chi_fiber_write(&exec, fiber, &out) == CHI_OK, "write");
+    chi_bench_must(chi_fiber_write(&exec, fiber, &out) == CHI_OK, "write");
     const double t2 = chi_bench_now();
     t.area = area_of(x, ids, t.sizes.triangles);
-    must(chi_fiber_extract(&exec, fiber, grid, &other) == CHI_OK, "extract");
+    chi_bench_must(chi_fiber_extract(&exec, fiber, grid, &other) == CHI_OK, "extract");
     const double t3 = chi_bench_now();
-    must(chi_fiber_extract(&exec, fiber, grid, &params) == CHI_OK, "extract");
+    chi_bench_must(chi_fiber_extract(&exec, fiber, grid, &params) == CHI_OK, "extract");
     const double t4 = chi_bench_now();
-    must(chi_fiber_write(&exec, fiber, &out) == CHI_OK, "write");
+    chi_bench_must(chi_fiber_write(&exec, fiber, &out) == CHI_OK, "write");
     const double t5 = chi_bench_now();
-    must(chi_fiber_enclose(&exec, fiber, &t.enclosed) == CHI_OK, "enclose");
-    float* const places = room(3 * t.enclosed.points + 1, sizeof *places);
-    int64_t* const cells = room(4 * t.enclosed.cells + 1, sizeof *cells);
-    int64_t* const from = room(2 * t.enclosed.cells + 1, sizeof *from);
+    chi_bench_must(chi_fiber_enclose(&exec, fiber, &t.enclosed) == CHI_OK, "enclose");
+    float* const places = chi_bench_room(3 * t.enclosed.points + 1, sizeof *places);
+    int64_t* const cells = chi_bench_room(4 * t.enclosed.cells + 1, sizeof *cells);
+    int64_t* const from = chi_bench_room(2 * t.enclosed.cells + 1, sizeof *from);
     const chi_fiber_enclosed_outputs enclosed = { .struct_size = sizeof enclosed,
       .points = places,
       .point_type = CHI_F32,
       .offsets = from,
       .connectivity = cells,
       .cell_ids = from + t.enclosed.cells + 1 };
-    must(chi_fiber_enclosed_write(&exec, fiber, &enclosed) == CHI_OK, "write");
+    chi_bench_must(chi_fiber_enclosed_write(&exec, fiber, &enclosed) == CHI_OK, "write");
     t.enclose = fmin(t.enclose, chi_bench_now() - t5);
     t.volume = t.enclosed.volume;
     free(places);

@@ -20,22 +20,6 @@ enum
   SCATTER = 1000003 /* a prime, so that every id is met once */
 };
 
-static void must(int holds, const char* what)
-{
-  if (!holds)
-  {
-    fprintf(stderr, "%s failed\n", what);
-    exit(1);
-  }
-}
-
-static void* room(size_t count, size_t size)
-{
-  void* const block = malloc(count * size);
-  must(block != NULL, "malloc");
-  return block;
-}
-
 static void run(const char* of, const chi_grid_view* view, double volume)
 {
   for (int threads = 1; threads <= 2; ++threads)
@@ -48,23 +32,23 @@ static void run(const char* of, const chi_grid_view* view, double volume)
     for (int i = 0; i < CHI_BENCH_RUNS; ++i)
     {
       const double t0 = chi_bench_now();
-      must(chi_grid_count(&exec, view, &counts) == CHI_OK, "count");
+      chi_bench_must(chi_grid_count(&exec, view, &counts) == CHI_OK, "count");
       const double t1 = chi_bench_now();
       if (!vertices)
       {
-        vertices = room(counts.tetrahedra, 4 * sizeof *vertices);
-        cells = room(counts.tetrahedra, sizeof *cells);
+        vertices = chi_bench_room(counts.tetrahedra, 4 * sizeof *vertices);
+        cells = chi_bench_room(counts.tetrahedra, sizeof *cells);
       }
       const chi_grid_tetrahedra out = {
         .struct_size = sizeof out, .vertices = vertices, .cells = cells
       };
       const double t2 = chi_bench_now();
-      must(chi_grid_split(&exec, view, &counts, &out) == CHI_OK, "split");
+      chi_bench_must(chi_grid_split(&exec, view, &counts, &out) == CHI_OK, "split");
       const double t3 = chi_bench_now();
       count_ns = fmin(count_ns, t1 - t0);
       split_ns = fmin(split_ns, t3 - t2);
     }
-    must(fabs(counts.volume / volume - 1) < 1e-12, "volume");
+    chi_bench_must(fabs(counts.volume / volume - 1) < 1e-12, "volume");
     const char* const names[2] = { "chi_grid_count", "chi_grid_split" };
     for (int k = 0; k < 2; ++k)
     {
@@ -86,15 +70,15 @@ static void run_all(size_t n)
     .index_to_world = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 } };
   const double volume = (double)cubes;
   chi_grid_counts counts;
-  must(chi_grid_count(NULL, &image, &counts) == CHI_OK, "count");
+  chi_bench_must(chi_grid_count(NULL, &image, &counts) == CHI_OK, "count");
   const size_t tetrahedra = counts.tetrahedra;
-  double* const x = room(points, 3 * sizeof *x);
-  uint32_t* const vertices = room(tetrahedra, 4 * sizeof *vertices);
+  double* const x = chi_bench_room(points, 3 * sizeof *x);
+  uint32_t* const vertices = chi_bench_room(tetrahedra, 4 * sizeof *vertices);
   const chi_grid_tetrahedra out = { .struct_size = sizeof out, .vertices = vertices, .points = x };
-  must(chi_grid_split(NULL, &image, &counts, &out) == CHI_OK, "split");
-  uint8_t* const types = room(tetrahedra, 1);
-  int64_t* const offsets = room(tetrahedra + 1, sizeof *offsets);
-  int64_t* const ids = room(4 * tetrahedra, sizeof *ids);
+  chi_bench_must(chi_grid_split(NULL, &image, &counts, &out) == CHI_OK, "split");
+  uint8_t* const types = chi_bench_room(tetrahedra, 1);
+  int64_t* const offsets = chi_bench_room(tetrahedra + 1, sizeof *offsets);
+  int64_t* const ids = chi_bench_room(4 * tetrahedra, sizeof *ids);
 
   run("image", &image, volume);
   chi_grid_view view = image;
@@ -121,7 +105,7 @@ static void run_all(size_t n)
   offsets[cubes] = (int64_t)(8 * cubes);
   run("hexahedra", &view, volume);
 
-  double* const scattered = room(points, 3 * sizeof *scattered);
+  double* const scattered = chi_bench_room(points, 3 * sizeof *scattered);
   for (size_t i = 0; i < points; ++i)
   {
     memcpy(scattered + 3 * (i * SCATTER % points), x + 3 * i, 3 * sizeof *x);

@@ -14,22 +14,6 @@
 #include "chi_bench.h"
 #include "histogram_scene.h"
 
-static void must(int holds, const char* what)
-{
-  if (!holds)
-  {
-    fprintf(stderr, "%s failed\n", what);
-    exit(1);
-  }
-}
-
-static void* room(size_t count, size_t size)
-{
-  void* const block = malloc(count * size);
-  must(block != NULL, "malloc");
-  return block;
-}
-
 typedef struct scene
 {
   chi_grid_view grids[2]; /* an image, its split as a list */
@@ -56,16 +40,16 @@ static scene make_scene(size_t n)
     .dimensions = { p, p, p },
     .index_to_world = { h, 0, 0, -1, 0, h, 0, -1, 0, 0, h, -1, 0, 0, 0, 1 },
     .version = 1 };
-  must(make_split(&s.parts, NULL, s.grids) == CHI_OK, "split");
-  s.values = room(s.points, sizeof(double));
+  chi_bench_must(make_split(&s.parts, NULL, s.grids) == CHI_OK, "split");
+  s.values = chi_bench_room(s.points, sizeof(double));
   for (size_t i = 0; i < s.points; ++i)
   {
     s.values[i] = signal(s.parts.points[i]);
   }
   const size_t count = s.parts.counts.tetrahedra;
-  int64_t* const ids = room(4 * count, sizeof *ids);
-  int64_t* const offsets = room(count + 1, sizeof *offsets);
-  uint8_t* const types = room(count, 1);
+  int64_t* const ids = chi_bench_room(4 * count, sizeof *ids);
+  int64_t* const offsets = chi_bench_room(count + 1, sizeof *offsets);
+  uint8_t* const types = chi_bench_room(count, 1);
   memset(types, 10, count);
   for (size_t i = 0; i <= 4 * count; ++i)
   {
@@ -98,7 +82,8 @@ static void drop_scene(scene* s)
 
 static double method_error(const scene* s, const bins* b)
 {
-  long double *const mass = room(2 * b->count, sizeof *mass), *const area = mass + b->count;
+  long double *const mass = chi_bench_room(2 * b->count, sizeof *mass),
+                     *const area = mass + b->count;
   long double sum = 0;
   const double* const range = b->result.range;
   reference_bins(&s->parts, s->values, b->count, range[0], range[1], mass, area);
@@ -126,11 +111,11 @@ static void time_calls(const chi_exec* exec, const chi_grid_view* grid,
   for (int i = 0; i < CHI_BENCH_RUNS; ++i)
   {
     chi_histogram* h = NULL;
-    must(chi_histogram_create(exec, &h) == CHI_OK, "create");
+    chi_bench_must(chi_histogram_create(exec, &h) == CHI_OK, "create");
     for (int k = 0; k < 2; ++k)
     {
       const double start = chi_bench_now();
-      must(make_bins(b, exec, h, grid, params) == CHI_OK, "compute");
+      chi_bench_must(make_bins(b, exec, h, grid, params) == CHI_OK, "compute");
       ns[k] = fmin(ns[k], chi_bench_now() - start);
       if (i + 1 < CHI_BENCH_RUNS || k == 0)
       {
@@ -179,19 +164,19 @@ static void run_quantile(const scene* s)
   chi_histogram* h = NULL;
   bins b;
   double first = 0, best = INFINITY, median = 0;
-  must(chi_histogram_create(&exec, &h) == CHI_OK, "create");
-  must(make_bins(&b, &exec, h, s->grids, &params) == CHI_OK, "compute");
+  chi_bench_must(chi_histogram_create(&exec, &h) == CHI_OK, "create");
+  chi_bench_must(make_bins(&b, &exec, h, s->grids, &params) == CHI_OK, "compute");
   drop_bins(&b);
   for (int i = 0; i <= CHI_BENCH_RUNS; ++i)
   {
     const double start = chi_bench_now();
-    must(chi_histogram_quantile(&exec, h, 0.5, &median) == CHI_OK, "quantile");
+    chi_bench_must(chi_histogram_quantile(&exec, h, 0.5, &median) == CHI_OK, "quantile");
     const double took = chi_bench_now() - start;
     first = i == 0 ? took : first;
     best = i > 0 ? fmin(best, took) : best;
   }
   params.range[0] = median; /* what lies below is half */
-  must(make_bins(&b, &exec, h, s->grids, &params) == CHI_OK, "compute");
+  chi_bench_must(make_bins(&b, &exec, h, s->grids, &params) == CHI_OK, "compute");
   const double missed = fabs(b.result.mass_below / b.result.total_mass - 0.5);
   print(s, "image", "first quantile", 2, 2, first, missed, "share");
   print(s, "image", "further quantile", 2, 2, best, missed, "share");
@@ -202,7 +187,7 @@ static void run_quantile(const scene* s)
 /* A window of a hundredth of the range; and a field that is cut off at its middle. */
 static void run_skipping(const scene* s)
 {
-  double* const cut = room(s->points, sizeof *cut);
+  double* const cut = chi_bench_room(s->points, sizeof *cut);
   for (size_t i = 0; i < s->points; ++i)
   {
     cut[i] = fmax(s->values[i] - 0.5, 0);

@@ -21,15 +21,6 @@ enum
   ENTRIES = 1024
 };
 
-static void must(int holds, const char* what)
-{
-  if (!holds)
-  {
-    fprintf(stderr, "%s failed\n", what);
-    exit(1);
-  }
-}
-
 /* 1: psi ************************************************************************************** */
 
 static vf psi_quadrature(const float* table, vf front, vf back)
@@ -207,7 +198,8 @@ static void measure(bench* b, const chi_exec* exec, int kind, double times, int 
   const chi_preintegration_params params = {
     .struct_size = sizeof params, .method = method, .full_scalars = size[0], .full_depths = size[1]
   };
-  must(chi_preintegration_update(exec, b->handle, &b->transfer, &params) == CHI_OK, "update");
+  chi_bench_must(
+    chi_preintegration_update(exec, b->handle, &b->transfer, &params) == CHI_OK, "update");
   chi_segment_tables tables;
   chi_preintegration_get_tables(b->handle, &tables);
   double error[2], best = INFINITY;
@@ -215,7 +207,8 @@ static void measure(bench* b, const chi_exec* exec, int kind, double times, int 
   for (int r = 0; r < REPEATS; ++r)
   {
     const double start = chi_bench_now();
-    must(chi_segment_evaluate(&tables, COUNT, b->x0, b->x1, b->length, b->rgba[0]) == CHI_OK,
+    chi_bench_must(
+      chi_segment_evaluate(&tables, COUNT, b->x0, b->x1, b->length, b->rgba[0]) == CHI_OK,
       "evaluate");
     best = fmin(best, chi_bench_now() - start);
   }
@@ -278,7 +271,7 @@ static void bench_tables(bench* b)
         {
           ++b->transfer.version;
           const double start = chi_bench_now();
-          must(
+          chi_bench_must(
             chi_preintegration_update(&exec, b->handle, &b->transfer, &params) == CHI_OK, "update");
           best = fmin(best, chi_bench_now() - start);
         }
@@ -292,10 +285,10 @@ static void bench_tables(bench* b)
 int main(void)
 {
   bench* const b = calloc(1, sizeof *b);
-  must(b != NULL, "calloc");
+  chi_bench_must(b != NULL, "calloc");
   chi_bench_pool pool = { 1 };
   const chi_exec exec = chi_bench_exec(&pool);
-  must(chi_preintegration_create(&exec, &b->handle) == CHI_OK, "create");
+  chi_bench_must(chi_preintegration_create(&exec, &b->handle) == CHI_OK, "create");
   b->transfer = (chi_transfer_view){ .struct_size = sizeof b->transfer,
     .rgb = b->rgb[0],
     .opacity = b->opacity,
@@ -304,7 +297,8 @@ int main(void)
     .unit_distance = 1,
     .version = 1 };
   printf(CHI_BENCH_HEADER);
-  must(chi_preintegration_update(&exec, b->handle, &b->transfer, NULL) == CHI_OK, "update");
+  chi_bench_must(
+    chi_preintegration_update(&exec, b->handle, &b->transfer, NULL) == CHI_OK, "update");
   chi_segment_tables tables;
   chi_preintegration_get_tables(b->handle, &tables);
   bench_psi(tables.psi);

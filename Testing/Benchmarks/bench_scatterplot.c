@@ -22,66 +22,6 @@
 #include <math.h>
 #include <string.h>
 
-static void must(int holds, const char* what)
-{
-  if (!holds)
-  {
-    fprintf(stderr, "%s failed\n", what);
-    exit(1);
-  }
-}
-
-static void* room(size_t count, size_t size)
-{
-  void* const block = malloc(count * size);
-  must(block != NULL, "malloc");
-  return block;
-}
-
-typedef struct triad_data
-{
-  double *a, *b, *c;
-} triad_data;
-
-enum
-{
-  TRIAD_COUNT = 1 << 24, /* 400 MB: no cache holds them */
-  TRIAD_CHUNK = 1 << 14
-};
-
-static void triad(void* at, size_t begin, size_t end)
-{
-  const triad_data* const t = (const triad_data*)at;
-  for (size_t i = begin * TRIAD_CHUNK; i < end * TRIAD_CHUNK; ++i)
-  {
-    t->a[i] = t->b[i] + 3 * t->c[i];
-  }
-}
-
-/* GB/s; a store counts once, as it does in the rates that are asked for. */
-static double run_triad(int threads)
-{
-  chi_bench_pool pool = { threads };
-  triad_data t = { room(TRIAD_COUNT, 8), room(TRIAD_COUNT, 8), room(TRIAD_COUNT, 8) };
-  memset(t.a, 0, TRIAD_COUNT * 8);
-  memset(t.b, 0, TRIAD_COUNT * 8);
-  memset(t.c, 0, TRIAD_COUNT * 8);
-  double best = INFINITY;
-  for (int i = 0; i < 2 * CHI_BENCH_RUNS; ++i)
-  {
-    const double start = chi_bench_now();
-    chi_bench_for(&pool, TRIAD_COUNT / TRIAD_CHUNK, triad, &t);
-    best = fmin(best, chi_bench_now() - start);
-  }
-  must(t.a[TRIAD_COUNT - 1] == 0, "triad");
-  const double bandwidth = 24 * (double)TRIAD_COUNT / best;
-  printf("scatterplot,memory,triad,,%d,%d,%.0f,%.3g,GB/s\n", TRIAD_COUNT, threads, best, bandwidth);
-  free(t.a);
-  free(t.b);
-  free(t.c);
-  return bandwidth;
-}
-
 typedef struct scene
 {
   chi_grid_view image, list;
@@ -95,7 +35,9 @@ static scene make_scene(size_t n)
 {
   const double pi = 3.14159265358979323846;
   const size_t p = n + 1, points = p * p * p;
-  scene s = { .f = room(points, 8), .g = room(points, 8), .points = room(points, 24) };
+  scene s = { .f = chi_bench_room(points, 8),
+    .g = chi_bench_room(points, 8),
+    .points = chi_bench_room(points, 24) };
   for (size_t i = 0; i < points; ++i)
   {
     const size_t k[3] = { i % p, i / p % p, i / (p * p) };
@@ -114,14 +56,14 @@ static scene make_scene(size_t n)
     .dimensions = { p, p, p },
     .index_to_world = { h, 0, 0, -1, 0, h, 0, -1, 0, 0, h, -1, 0, 0, 0, 1 } };
   chi_grid_counts counts = { .struct_size = sizeof counts };
-  must(chi_grid_count(NULL, &s.image, &counts) == CHI_OK, "count");
+  chi_bench_must(chi_grid_count(NULL, &s.image, &counts) == CHI_OK, "count");
   s.count = counts.tetrahedra;
-  s.vertices = room(s.count, 16);
+  s.vertices = chi_bench_room(s.count, 16);
   const chi_grid_tetrahedra out = { .struct_size = sizeof out, .vertices = s.vertices };
-  must(chi_grid_split(NULL, &s.image, &counts, &out) == CHI_OK, "split");
-  int64_t* const ids = room(4 * s.count, 8);
-  int64_t* const offsets = room(s.count + 1, 8);
-  uint8_t* const types = room(s.count, 1);
+  chi_bench_must(chi_grid_split(NULL, &s.image, &counts, &out) == CHI_OK, "split");
+  int64_t* const ids = chi_bench_room(4 * s.count, 8);
+  int64_t* const offsets = chi_bench_room(s.count + 1, 8);
+  uint8_t* const types = chi_bench_room(s.count, 1);
   memset(types, 10, s.count);
   for (size_t t = 0; t <= s.count; ++t)
   {
@@ -194,15 +136,16 @@ static void run(const scene* s, const chi_grid_view* grid, const char* name, siz
     .struct_size = sizeof params, .bins = { bins, bins }, .method = method
   };
   memcpy(params.range, range, sizeof range);
-  double* const density = room(bins * bins, 8);
+  double* const density = chi_bench_room(bins * bins, 8);
   chi_scatterplot_result r = { 0 };
   double best = INFINITY;
   for (int i = 0; i < CHI_BENCH_RUNS; ++i)
   {
     chi_scatterplot* plot;
-    must(chi_scatterplot_create(&exec, &plot) == CHI_OK, "create");
+    chi_bench_must(chi_scatterplot_create(&exec, &plot) == CHI_OK, "create");
     const double start = chi_bench_now();
-    must(chi_scatterplot_compute(&exec, plot, &input, &params, density, &r) == CHI_OK, "compute");
+    chi_bench_must(
+      chi_scatterplot_compute(&exec, plot, &input, &params, density, &r) == CHI_OK, "compute");
     best = fmin(best, chi_bench_now() - start);
     chi_scatterplot_destroy(plot);
   }
@@ -242,13 +185,13 @@ int main(int argc, char** argv)
   static const size_t sizes[] = { 32, 64, 128 }, bins[] = { 64, 256, 1024 };
   const int is_short = argc > 1 && strcmp(argv[1], "short") == 0;
   printf(CHI_BENCH_HEADER);
-  run_triad(1);
-  bandwidth = run_triad(2);
+  chi_bench_triad("scatterplot", 1);
+  bandwidth = chi_bench_triad("scatterplot", 2);
   double* analytic[3];
   for (int b = 0; b < 3; ++b)
   {
     const size_t both[2] = { bins[b], bins[b] };
-    analytic[b] = room(bins[b] * bins[b], 8);
+    analytic[b] = chi_bench_room(bins[b] * bins[b], 8);
     waves_masses(analytic[b], both, range, 8192);
   }
   for (int k = 0; k < (is_short ? 1 : 3); ++k)

@@ -14,22 +14,6 @@
 
 #include <chiaroscuro/chi_scatterplot.h>
 
-static void must(int holds, const char* what)
-{
-  if (!holds)
-  {
-    fprintf(stderr, "%s failed\n", what);
-    exit(1);
-  }
-}
-
-static void* room(size_t count, size_t size)
-{
-  void* const block = malloc(count * size);
-  must(block != NULL, "malloc");
-  return block;
-}
-
 typedef struct scene
 {
   chi_grid_view image, list; /* cells, and hexahedra */
@@ -41,9 +25,10 @@ static scene make_scene(size_t n)
 {
   static const size_t around[8] = { 0, 1, 3, 2, 4, 5, 7, 6 };
   const size_t p = n + 1, points = p * p * p;
-  scene s = {
-    .f = room(points, 8), .g = room(points, 8), .points = room(points, 24), .cells = n * n * n
-  };
+  scene s = { .f = chi_bench_room(points, 8),
+    .g = chi_bench_room(points, 8),
+    .points = chi_bench_room(points, 24),
+    .cells = n * n * n };
   for (size_t i = 0; i < points; ++i)
   {
     const size_t k[3] = { i % p, i / p % p, i / (p * p) };
@@ -61,9 +46,9 @@ static scene make_scene(size_t n)
     .kind = CHI_GRID_IMAGE,
     .dimensions = { p, p, p },
     .index_to_world = { h, 0, 0, -1, 0, h, 0, -1, 0, 0, h, -1, 0, 0, 0, 1 } };
-  int64_t* const ids = room(8 * s.cells, 8);
-  int64_t* const offsets = room(s.cells + 1, 8);
-  uint8_t* const types = room(s.cells, 1);
+  int64_t* const ids = chi_bench_room(8 * s.cells, 8);
+  int64_t* const offsets = chi_bench_room(s.cells + 1, 8);
+  uint8_t* const types = chi_bench_room(s.cells, 1);
   memset(types, 12, s.cells);
   for (size_t c = 0; c <= s.cells; ++c)
   {
@@ -114,9 +99,10 @@ static double plot(const scene* s, const chi_grid_view* grid, chi_scatterplot_pa
   for (int i = 0; i < runs; ++i)
   {
     chi_scatterplot* handle;
-    must(chi_scatterplot_create(&exec, &handle) == CHI_OK, "create");
+    chi_bench_must(chi_scatterplot_create(&exec, &handle) == CHI_OK, "create");
     const double start = chi_bench_now();
-    must(chi_scatterplot_compute(&exec, handle, &input, &params, density, &r) == CHI_OK, "compute");
+    chi_bench_must(
+      chi_scatterplot_compute(&exec, handle, &input, &params, density, &r) == CHI_OK, "compute");
     best = fmin(best, chi_bench_now() - start);
     chi_scatterplot_destroy(handle);
   }
@@ -133,7 +119,8 @@ static void run_tolerances(size_t n, size_t bins)
 {
   static const double tolerances[] = { 0, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4 };
   scene s = make_scene(n);
-  double *const reference = room(bins * bins, 8), *const density = room(bins * bins, 8);
+  double *const reference = chi_bench_room(bins * bins, 8),
+                *const density = chi_bench_room(bins * bins, 8);
   double error, bound;
   chi_scatterplot_params params = {
     .struct_size = sizeof params, .bins = { bins, bins }, .trilinear_tolerance = 1e-9
@@ -158,7 +145,8 @@ static void run_splats(size_t n, size_t bins)
 {
   static const double sizes[] = { 0, 0.25, 0.5, 1 };
   scene s = make_scene(n);
-  double *const exact = room(bins * bins, 8), *const density = room(bins * bins, 8);
+  double *const exact = chi_bench_room(bins * bins, 8),
+                *const density = chi_bench_room(bins * bins, 8);
   for (int smooth = 0; smooth < 2; ++smooth)
   {
     for (size_t i = 0; i < s.list.points.count && smooth; ++i)

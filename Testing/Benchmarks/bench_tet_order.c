@@ -19,15 +19,6 @@
 #include <math.h>
 #include <string.h>
 
-static void must(int holds, const char* what)
-{
-  if (!holds)
-  {
-    fprintf(stderr, "%s failed\n", what);
-    exit(1);
-  }
-}
-
 typedef struct bench_mesh
 {
   const char* name;
@@ -90,7 +81,7 @@ static void run(const bench_mesh* b, int32_t method, const char* name, int judge
     .vertices = m->vertices[0],
     .count = m->count };
   uint32_t* const keys = (uint32_t*)malloc(m->count * sizeof *keys);
-  must(keys != NULL, "malloc");
+  chi_bench_must(keys != NULL, "malloc");
   for (int threads = 1; threads <= 2; ++threads)
   {
     chi_bench_pool pool = { threads };
@@ -103,14 +94,14 @@ static void run(const bench_mesh* b, int32_t method, const char* name, int judge
     {
       chi_tet_order* order;
       const double t0 = chi_bench_now();
-      must(chi_tet_order_create(&exec, &mesh, method, &order) == CHI_OK, "create");
+      chi_bench_must(chi_tet_order_create(&exec, &mesh, method, &order) == CHI_OK, "create");
       analysis = fmin(analysis, chi_bench_now() - t0);
       for (int k = 0; k < 2; ++k) /* the first one reserves */
       {
         const chi_camera camera = tet_look(6.6921, 33 + k, 27, 0, 512, 0.27);
         const chi_tet_order_view from = { sizeof from, &camera, NULL };
         const double t1 = chi_bench_now();
-        must(chi_tet_order_keys(&exec, order, &from, keys, &bits) == CHI_OK, "keys");
+        chi_bench_must(chi_tet_order_keys(&exec, order, &from, keys, &bits) == CHI_OK, "keys");
         look = fmin(look, chi_bench_now() - t1);
       }
       chi_tet_order_get_info(order, &info);
@@ -118,8 +109,9 @@ static void run(const bench_mesh* b, int32_t method, const char* name, int judge
       {
         const chi_camera camera = tet_look(6.6921, 33, 27, 0, 128, 0.27);
         const chi_tet_order_view from = { sizeof from, &camera, NULL };
-        must(chi_tet_order_keys(&exec, order, &from, keys, &bits) == CHI_OK, "keys");
-        must(chi_tet_order_violations(&exec, &mesh, &from, keys, &violations) == CHI_OK, "judge");
+        chi_bench_must(chi_tet_order_keys(&exec, order, &from, keys, &bits) == CHI_OK, "keys");
+        chi_bench_must(
+          chi_tet_order_violations(&exec, &mesh, &from, keys, &violations) == CHI_OK, "judge");
       }
       chi_tet_order_destroy(&exec, order);
     }

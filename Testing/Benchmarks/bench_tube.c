@@ -37,15 +37,6 @@ typedef struct bench
   double fit, plan, sweep; /* shortest of the runs, ns */
 } bench;
 
-static void must(int holds, const char* what)
-{
-  if (!holds)
-  {
-    fprintf(stderr, "%s failed\n", what);
-    exit(1);
-  }
-}
-
 static void make_room(bench* b)
 {
   const chi_tube_sizes* const s = &b->sizes;
@@ -65,7 +56,7 @@ static void make_room(bench* b)
     b->axis = malloc(3 * s->points * sizeof *b->axis);
     b->offsets = malloc((s->cells + 1) * sizeof *b->offsets);
     b->connectivity = malloc(s->connectivity * sizeof *b->connectivity);
-    must(b->points && b->normals && b->axis && b->offsets && b->connectivity, "malloc");
+    chi_bench_must(b->points && b->normals && b->axis && b->offsets && b->connectivity, "malloc");
   }
 }
 
@@ -75,9 +66,9 @@ static void run(bench* b, const chi_spline_params* fit, const chi_tube_params* p
   for (int i = 0; i < CHI_BENCH_RUNS; ++i)
   {
     const double t0 = chi_bench_now();
-    must(chi_spline_fit(&b->exec, b->spline, &b->view, fit) == CHI_OK, "fit");
+    chi_bench_must(chi_spline_fit(&b->exec, b->spline, &b->view, fit) == CHI_OK, "fit");
     const double t1 = chi_bench_now();
-    must(chi_tube_plan(&b->exec, b->tube, b->spline, &b->view, params) == CHI_OK, "plan");
+    chi_bench_must(chi_tube_plan(&b->exec, b->tube, b->spline, &b->view, params) == CHI_OK, "plan");
     const double t2 = chi_bench_now();
     chi_tube_get_sizes(b->tube, &b->sizes);
     make_room(b);
@@ -89,7 +80,7 @@ static void run(bench* b, const chi_spline_params* fit, const chi_tube_params* p
       .connectivity = b->connectivity,
       .curve_points = b->axis };
     const double t3 = chi_bench_now();
-    must(chi_tube_sweep(&b->exec, b->tube, &out) == CHI_OK, "sweep");
+    chi_bench_must(chi_tube_sweep(&b->exec, b->tube, &out) == CHI_OK, "sweep");
     const double t4 = chi_bench_now();
     b->fit = fmin(b->fit, t1 - t0);
     b->plan = fmin(b->plan, t2 - t1);
@@ -136,7 +127,7 @@ int main(void)
 {
   double(*const x)[3] = malloc((size_t)LINES * EACH * sizeof *x);
   int64_t* const first = malloc((LINES + 1) * sizeof *first);
-  must(x && first, "malloc");
+  chi_bench_must(x && first, "malloc");
   for (size_t i = 0; i <= LINES; ++i)
   {
     first[i] = (int64_t)(i * EACH);
@@ -150,8 +141,8 @@ int main(void)
     x[i][2] = 0.3 * t;
   }
   bench b = { .view = { { x, (size_t)LINES * EACH, sizeof *x, CHI_F64 }, first, NULL, LINES } };
-  must(chi_spline_create(NULL, &b.spline) == CHI_OK, "create");
-  must(chi_tube_create(NULL, &b.tube) == CHI_OK, "create");
+  chi_bench_must(chi_spline_create(NULL, &b.spline) == CHI_OK, "create");
+  chi_bench_must(chi_tube_create(NULL, &b.tube) == CHI_OK, "create");
   chi_tube_params params = { .struct_size = sizeof params,
     .radius = 0.05,
     .sides = SIDES,

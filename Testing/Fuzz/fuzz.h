@@ -252,10 +252,22 @@ FUZZ_UNUSED void fuzz_after(const fuzz* f, chi_status status)
   FUZZ_CHECK(status != CHI_OK || (!f->refused && !f->cancelled));
 }
 
+/* What an input is read through, until fuzz_end. */
+FUZZ_UNUSED fuzz* fuzz_begin(const uint8_t* bytes, size_t count)
+{
+  fuzz* const f = (fuzz*)calloc(1, sizeof *f);
+  FUZZ_CHECK(f);
+  f->bytes = bytes;
+  f->count = count;
+  return f;
+}
+
+/* The library has given back all that it took. */
 FUZZ_UNUSED void fuzz_end(fuzz* f)
 {
   FUZZ_CHECK(f->live_count == 0 && f->live_bytes == 0);
   fuzz_forget(f, 0);
+  free(f);
 }
 
 FUZZ_UNUSED int fuzz_is_in(double x, double low, double high)

@@ -28,15 +28,10 @@ static double value_of(const void* at, chi_type type, size_t i)
 
 int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count)
 {
-  fuzz* const f = (fuzz*)calloc(1, sizeof *f);
-  FUZZ_CHECK(f);
-  f->bytes = bytes;
-  f->count = count;
+  fuzz* const f = fuzz_begin(bytes, count);
   const chi_grid_view grid = fuzz_grid(f);
   const chi_exec exec = fuzz_host(f, 100000);
-  chi_grid_counts counts = { .struct_size = sizeof counts };
-  const chi_status counted = chi_grid_count(NULL, &grid, &counts);
-  (void)counted;
+  const chi_grid_counts counts = fuzz_counts(&grid);
   const size_t points = counts.points < 100000 ? counts.points : 0;
   const chi_array_view values =
     fuzz_array(f, points, 1 + fuzz_upto(f, 1), (chi_type)(1 + fuzz_upto(f, 9)));
@@ -86,6 +81,5 @@ int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count)
   }
   fuzz_before(f);
   fuzz_end(f);
-  free(f);
   return 0;
 }

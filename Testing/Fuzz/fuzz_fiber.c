@@ -175,10 +175,7 @@ static void use(fuzz* f, const chi_exec* exec, const chi_fiber* fiber, const chi
 
 int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count)
 {
-  fuzz* const f = (fuzz*)calloc(1, sizeof *f);
-  FUZZ_CHECK(f);
-  f->bytes = bytes;
-  f->count = count;
+  fuzz* const f = fuzz_begin(bytes, count);
   const chi_grid_view grid = fuzz_grid(f);
   const chi_exec exec = fuzz_host(f, 100000);
   chi_grid_counts counts;
@@ -229,6 +226,5 @@ int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count)
   chi_fiber_destroy(&exec, fiber);
   fuzz_forget(f, kept);
   fuzz_end(f);
-  free(f);
   return 0;
 }

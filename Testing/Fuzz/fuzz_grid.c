@@ -104,10 +104,7 @@ static void split(
 
 int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count)
 {
-  fuzz* const f = (fuzz*)calloc(1, sizeof *f);
-  FUZZ_CHECK(f);
-  f->bytes = bytes;
-  f->count = count;
+  fuzz* const f = fuzz_begin(bytes, count);
   const chi_grid_view view = fuzz_grid(f);
   const chi_exec exec = fuzz_host(f, 100000);
   chi_grid_counts counts, plain;
@@ -135,6 +132,5 @@ int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count)
     FUZZ_CHECK(status == CHI_ERROR_INVALID_ARGUMENT || counts.first_bad_cell == -1);
   }
   fuzz_end(f);
-  free(f);
   return 0;
 }

@@ -50,15 +50,10 @@ static void check(const chi_histogram* h, const chi_histogram_params* p,
 
 int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count)
 {
-  fuzz* const f = (fuzz*)calloc(1, sizeof *f);
-  FUZZ_CHECK(f);
-  f->bytes = bytes;
-  f->count = count;
+  fuzz* const f = fuzz_begin(bytes, count);
   const chi_grid_view grid = fuzz_grid(f);
   const chi_exec exec = fuzz_host(f, 100000);
-  chi_grid_counts counts = { .struct_size = sizeof counts };
-  const chi_status counted = chi_grid_count(NULL, &grid, &counts);
-  (void)counted;
+  const chi_grid_counts counts = fuzz_counts(&grid);
   chi_histogram* h = NULL;
   chi_status made;
   do /* a host that refuses once gives the second time */
@@ -142,6 +137,5 @@ int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count)
   fuzz_before(f);
   chi_histogram_destroy(&exec, h);
   fuzz_end(f);
-  free(f);
   return 0;
 }

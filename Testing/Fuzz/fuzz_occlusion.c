@@ -217,10 +217,7 @@ static void render(fuzz* f, chi_occlusion* o)
 
 int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count)
 {
-  fuzz* const f = (fuzz*)calloc(1, sizeof *f);
-  FUZZ_CHECK(f);
-  f->bytes = bytes;
-  f->count = count;
+  fuzz* const f = fuzz_begin(bytes, count);
   chi_exec exec = fuzz_host(f, 1000);
   chi_occlusion* o = NULL;
   const chi_status status = chi_occlusion_create(&exec, &o);
@@ -234,6 +231,5 @@ int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count)
   exec = fuzz_host(f, 1000);
   chi_occlusion_destroy(&exec, o);
   fuzz_end(f);
-  free(f);
   return 0;
 }

@@ -143,10 +143,7 @@ static void check_segments(fuzz* f, const chi_segment_tables* t)
 
 int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count)
 {
-  fuzz* const f = (fuzz*)calloc(1, sizeof *f);
-  FUZZ_CHECK(f);
-  f->bytes = bytes;
-  f->count = count;
+  fuzz* const f = fuzz_begin(bytes, count);
   chi_exec exec = fuzz_host(f, 1000);
   chi_preintegration* p = NULL;
   chi_status status = chi_preintegration_create(&exec, &p);
@@ -184,6 +181,5 @@ int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count)
   exec = fuzz_host(f, 1000);
   chi_preintegration_destroy(&exec, p);
   fuzz_end(f);
-  free(f);
   return 0;
 }

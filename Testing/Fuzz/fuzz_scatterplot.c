@@ -81,14 +81,10 @@ static void check(const chi_scatterplot_input* in, const chi_scatterplot_params*
 
 int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count)
 {
-  fuzz* const f = (fuzz*)calloc(1, sizeof *f);
-  FUZZ_CHECK(f);
-  f->bytes = bytes;
-  f->count = count;
+  fuzz* const f = fuzz_begin(bytes, count);
   const chi_grid_view grid = fuzz_grid(f);
   const chi_exec exec = fuzz_host(f, 100000);
-  chi_grid_counts counts = { .struct_size = sizeof counts };
-  const chi_status counted = chi_grid_count(NULL, &grid, &counts);
+  const chi_grid_counts counts = fuzz_counts(&grid);
   chi_scatterplot* plot = NULL;
   chi_status made;
   do /* a host that refuses once gives the second time */
@@ -155,11 +151,9 @@ int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count)
     }
     fuzz_before(f);
   }
-  (void)counted; /* broken cells that the plot does not read may be refused by it alone */
   fuzz_before(f);
   chi_scatterplot_destroy(plot);
   fuzz_forget(f, kept);
   fuzz_end(f);
-  free(f);
   return 0;
 }

@@ -95,10 +95,7 @@ static void check_fit(fuzz* f, const chi_spline* s, const chi_lines_view* lines)
 
 int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count)
 {
-  fuzz* const f = (fuzz*)calloc(1, sizeof *f);
-  FUZZ_CHECK(f);
-  f->bytes = bytes;
-  f->count = count;
+  fuzz* const f = fuzz_begin(bytes, count);
   chi_exec exec = fuzz_host(f, 1000);
   chi_spline* s = NULL;
   chi_status status = chi_spline_create(&exec, &s);
@@ -139,6 +136,5 @@ int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count)
   exec = fuzz_host(f, 1000);
   chi_spline_destroy(&exec, s);
   fuzz_end(f);
-  free(f);
   return 0;
 }

@@ -343,11 +343,9 @@ static void render(fuzz* f, chi_tet* tet, fuzz_scene* s)
 
 int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count)
 {
-  fuzz* const f = (fuzz*)calloc(1, sizeof *f);
+  fuzz* const f = fuzz_begin(bytes, count);
   fuzz_scene* const s = (fuzz_scene*)calloc(1, sizeof *s);
-  FUZZ_CHECK(f && s);
-  f->bytes = bytes;
-  f->count = count;
+  FUZZ_CHECK(s);
   chi_exec exec = fuzz_host(f, 1000);
   chi_tet* tet = NULL;
   const chi_status status = chi_tet_create(&exec, &tet);
@@ -360,7 +358,6 @@ int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count)
   exec = fuzz_host(f, 1000);
   chi_tet_destroy(&exec, tet);
   fuzz_end(f);
-  free(f);
   free(s);
   return 0;
 }

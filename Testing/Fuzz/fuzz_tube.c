@@ -161,10 +161,7 @@ static void sweep(fuzz* f, const chi_exec* exec, const chi_tube* t, const chi_tu
 
 int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count)
 {
-  fuzz* const f = (fuzz*)calloc(1, sizeof *f);
-  FUZZ_CHECK(f);
-  f->bytes = bytes;
-  f->count = count;
+  fuzz* const f = fuzz_begin(bytes, count);
   chi_spline* s = NULL;
   chi_tube* t = NULL;
   FUZZ_CHECK(chi_spline_create(NULL, &s) == CHI_OK && chi_tube_create(NULL, &t) == CHI_OK);
@@ -214,6 +211,5 @@ int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count)
   chi_tube_destroy(NULL, t);
   chi_spline_destroy(NULL, s);
   fuzz_end(f);
-  free(f);
   return 0;
 }

@@ -150,4 +150,26 @@ __attribute__((unused)) static double scene_mass_error(
   return fabs((double)(sum + r->mass_out_of_range - volume)) / fabs(volume);
 }
 
+/* One tetrahedron of the library's choice of shape. */
+__attribute__((unused)) static double* scene_plot_one(const double f[4], const double g[4],
+  double volume, const chi_scatterplot_params* params, chi_scatterplot_result* r)
+{
+  const double points[4][3] = { { 0, 0, 0 }, { 6 * volume, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
+  static const int64_t ids[4] = { 0, 1, 2, 3 }, offsets[2] = { 0, 4 };
+  static const uint8_t type[1] = { 10 };
+  const chi_grid_view grid = { .struct_size = sizeof grid,
+    .kind = CHI_GRID_UNSTRUCTURED,
+    .points = { points, 4, 3 * sizeof(double), CHI_F64 },
+    .cell_types = type,
+    .offsets = offsets,
+    .connectivity = ids,
+    .cell_count = 1,
+    .connectivity_count = 4 };
+  scene s = { .grid = grid,
+    .input = { .struct_size = sizeof s.input,
+      .grid = &s.grid,
+      .fields = { { f, 4, 1, sizeof(double), CHI_F64 }, { g, 4, 1, sizeof(double), CHI_F64 } } } };
+  return scene_plot(NULL, &s, params, r);
+}
+
 #endif

@@ -99,28 +99,6 @@ static void closed_forms_hold_at_every_scale(void)
   field_scale = 1;
 }
 
-/* One tetrahedron of the library's choice of shape. */
-static double* plot_one(const double f[4], const double g[4], double volume,
-  const chi_scatterplot_params* params, chi_scatterplot_result* r)
-{
-  const double points[4][3] = { { 0, 0, 0 }, { 6 * volume, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
-  static const int64_t ids[4] = { 0, 1, 2, 3 }, offsets[2] = { 0, 4 };
-  static const uint8_t type[1] = { 10 };
-  const chi_grid_view grid = { .struct_size = sizeof grid,
-    .kind = CHI_GRID_UNSTRUCTURED,
-    .points = { points, 4, 3 * sizeof(double), CHI_F64 },
-    .cell_types = type,
-    .offsets = offsets,
-    .connectivity = ids,
-    .cell_count = 1,
-    .connectivity_count = 4 };
-  scene s = { .grid = grid,
-    .input = { .struct_size = sizeof s.input,
-      .grid = &s.grid,
-      .fields = { { f, 4, 1, sizeof(double), CHI_F64 }, { g, 4, 1, sizeof(double), CHI_F64 } } } };
-  return scene_plot(NULL, &s, params, r);
-}
-
 static void one_tetrahedron_is_a_tent_of_height_3V_over_A(void)
 {
   /* the fourth corner projects into the triangle of the others, of area 1/2; bins so small that
@@ -129,7 +107,7 @@ static void one_tetrahedron_is_a_tent_of_height_3V_over_A(void)
   const size_t n = 1024;
   const chi_scatterplot_params params = scene_params(n, n, 0, 1, 0, 1);
   chi_scatterplot_result r;
-  double* const density = plot_one(f, g, volume, &params, &r);
+  double* const density = scene_plot_one(f, g, volume, &params, &r);
   double peak = 0;
   for (size_t i = 0; i < n * n; ++i)
   {
@@ -206,7 +184,7 @@ static void tetrahedra_of_any_shape_match_cutting(void)
       params.switches = all ? CHI_SCATTERPLOT_NO_EDGES | CHI_SCATTERPLOT_NO_ONE_BIN : 0;
       params.switches |= CHI_SCATTERPLOT_NO_SKIP;
       chi_scatterplot_result r;
-      double* const density = plot_one(f, g, 0.3, &params, &r);
+      double* const density = scene_plot_one(f, g, 0.3, &params, &r);
       const double error = compare(density, &r, &ref);
       const int way = r.edge_simplices ? 0 : r.one_bin_simplices ? 1 : all ? 3 : 2;
       worst[way] = error > worst[way] ? error : worst[way];

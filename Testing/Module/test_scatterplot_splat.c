@@ -81,27 +81,11 @@ static void single_tetrahedra_are_within_their_bounds(void)
       f[c] = 1 + 0.8 * (pow(chi_test_random(&seed), 1 + k % 4) - 0.5);
       g[c] = 0.2 + 0.6 * chi_test_random(&seed);
     }
-    static const double points[4][3] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
-    static const int64_t ids[4] = { 0, 1, 2, 3 }, offsets[2] = { 0, 4 };
-    static const uint8_t type[1] = { 10 };
-    const chi_grid_view grid = { .struct_size = sizeof grid,
-      .kind = CHI_GRID_UNSTRUCTURED,
-      .points = { points, 4, 3 * sizeof(double), CHI_F64 },
-      .cell_types = type,
-      .offsets = offsets,
-      .connectivity = ids,
-      .cell_count = 1,
-      .connectivity_count = 4 };
-    scene s = { .grid = grid,
-      .input = { .struct_size = sizeof s.input,
-        .grid = &s.grid,
-        .fields = {
-          { f, 4, 1, sizeof(double), CHI_F64 }, { g, 4, 1, sizeof(double), CHI_F64 } } } };
     chi_scatterplot_params params = scene_params(2, 2, 0, 2, 0, 2);
     chi_scatterplot_result r;
-    double* const expected = scene_plot(NULL, &s, &params, NULL);
+    double* const expected = scene_plot_one(f, g, 1.0 / 6, &params, NULL);
     params.splat_size = 1;
-    double* const density = scene_plot(NULL, &s, &params, &r);
+    double* const density = scene_plot_one(f, g, 1.0 / 6, &params, &r);
     CHECK(distance(expected, density, &params) <= r.splat_bound + 1e-12);
     CHECK(r.splat_bound < 1.16 * r.total_mass); /* 37 / 64 twice: the theorem of Gruenbaum */
     splats += r.splats;

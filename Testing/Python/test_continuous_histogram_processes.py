@@ -2,28 +2,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Continuous histograms of pieces in two processes: run by mpiexec -np 2. Each process makes the whole too, has its
 histogram alone, and compares."""
-import sys
-import unittest
-
 import numpy as np
-from mpi4py import MPI  # before the controller: it calls MPI_Init
-from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkDataSetAttributes, vtkImageData, vtkUnstructuredGrid
+from mpi4py import MPI
+from two_processes import TwoProcesses, hide_layers, main, named, updated  # before VTK's controller: it calls MPI_Init
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData, vtkUnstructuredGrid
 from vtkmodules.vtkFiltersCore import vtkAppendFilter
 from vtkmodules.vtkFiltersSources import vtkPlaneSource
-from vtkmodules.vtkParallelCore import vtkMultiProcessController
-from vtkmodules.vtkParallelMPI import vtkMPIController
 
 from chiaroscuro import vtkChiContinuousHistogram
 
 N = 20  # cells along an axis
 COLUMNS = ("BinCenter", "Density", "IsoArea", "Mass", "Cumulative")
-
-
-def named(values, name):
-    array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
-    array.SetName(name)
-    return array
 
 
 def image(first, last, shift=0.0):
@@ -54,27 +44,14 @@ def histogram_of(data, controller, ends=None):
     if ends:
         histogram.AutomaticRangeOff()
         histogram.SetRange(*ends)
-    histogram.messages = []
-
-    def keep(_, event, text):
-        histogram.messages.append(text)
-
-    keep.CallDataType = "string0"
-    histogram.AddObserver("ErrorEvent", keep)
-    histogram.GetExecutive().AddObserver("ErrorEvent", lambda *_: None)
-    histogram.Update()
-    return histogram
+    return updated(histogram)
 
 
 def table(histogram):
     return {name: vtk_to_numpy(histogram.GetOutput().GetColumnByName(name)).copy() for name in COLUMNS}
 
 
-class Processes(unittest.TestCase):
-    def setUp(self):
-        self.world = vtkMultiProcessController.GetGlobalController()
-        self.rank = self.world.GetLocalProcessId()
-
+class Processes(TwoProcesses):
     def compare(self, piece, whole, ends=None):
         together, alone = histogram_of(piece, self.world, ends), histogram_of(whole, None, ends)
         self.assertEqual(together.messages + alone.messages, [])
@@ -122,9 +99,7 @@ class Processes(unittest.TestCase):
     def test_a_layer_that_both_hold_counts_once(self):
         piece = image(0, 16) if self.rank == 0 else image(8, N)
         if self.rank == 1:
-            ghosts = np.zeros((N - 8, N, N), np.uint8)
-            ghosts[:8] = vtkDataSetAttributes.DUPLICATECELL
-            piece.GetCellData().AddArray(named(ghosts.ravel(), vtkDataSetAttributes.GhostArrayName()))
+            hide_layers(piece, 8)
         self.compare(piece, image(0, N))
 
     def test_polygons_beside_cells_of_volume_do_not_count(self):
@@ -157,11 +132,4 @@ class Processes(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    world = vtkMPIController()
-    world.Initialize()
-    vtkMultiProcessController.SetGlobalController(world)
-    program = unittest.main(exit=False)
-    vtkMultiProcessController.SetGlobalController(None)
-    world.Finalize(1)  # not MPI itself, which mpi4py ends
-    MPI.COMM_WORLD.Barrier()
-    sys.exit(not program.result.wasSuccessful())
+    main()

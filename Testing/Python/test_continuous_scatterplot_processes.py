@@ -2,29 +2,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Continuous scatterplots of pieces in two processes: run by mpiexec -np 2. Each process makes the whole too, plots it
 alone, and compares."""
-import sys
-import unittest
-
 import numpy as np
-from mpi4py import MPI  # before the controller: it calls MPI_Init
+from two_processes import TwoProcesses, hide_layers, main, named, updated  # before VTK's controller: it calls MPI_Init
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints
-from vtkmodules.vtkCommonDataModel import (VTK_TETRA, vtkCellArray, vtkDataObject, vtkDataSetAttributes, vtkImageData,
+from vtkmodules.vtkCommonDataModel import (VTK_TETRA, vtkCellArray, vtkDataObject, vtkImageData,
                                            vtkUnstructuredGrid)
-from vtkmodules.vtkParallelCore import vtkMultiProcessController
-from vtkmodules.vtkParallelMPI import vtkMPIController
 
 from chiaroscuro import vtkChiContinuousScatterplot
 
 POINTS = vtkDataObject.FIELD_ASSOCIATION_POINTS
 N = 24  # cells along an axis: three bricks
 BINS = (40, 50)
-
-
-def named(values, name):
-    array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
-    array.SetName(name)
-    return array
 
 
 def fields(x):
@@ -76,16 +65,7 @@ def plot_of(data, controller, ranges=None):
         plot.AutomaticRangeOff()
         for i, ends in enumerate(ranges):
             plot.SetRange(i, *ends)
-    plot.messages = []
-
-    def keep(_, event, text):
-        plot.messages.append(text)
-
-    keep.CallDataType = "string0"
-    plot.AddObserver("ErrorEvent", keep)
-    plot.GetExecutive().AddObserver("ErrorEvent", lambda *_: None)
-    plot.Update()
-    return plot
+    return updated(plot)
 
 
 def result(plot):
@@ -95,11 +75,7 @@ def result(plot):
             picture.GetOrigin() + picture.GetSpacing())
 
 
-class Processes(unittest.TestCase):
-    def setUp(self):
-        self.world = vtkMultiProcessController.GetGlobalController()
-        self.rank = self.world.GetLocalProcessId()
-
+class Processes(TwoProcesses):
     def compare(self, piece, whole, bound, ranges=None):
         """Bins to a share of the largest, masses of all; 0: bits."""
         together, alone = plot_of(piece, self.world, ranges), plot_of(whole, None, ranges)
@@ -140,9 +116,7 @@ class Processes(unittest.TestCase):
     def test_a_layer_that_both_hold_counts_once(self):
         piece = image(0, 16) if self.rank == 0 else image(8, N)
         if self.rank == 1:
-            ghosts = np.zeros((N - 8, N, N), np.uint8)
-            ghosts[:8] = vtkDataSetAttributes.DUPLICATECELL
-            piece.GetCellData().AddArray(named(ghosts.ravel(), vtkDataSetAttributes.GhostArrayName()))
+            hide_layers(piece, 8)
         self.compare(piece, image(0, N), 1e-12)  # volumes are summed one by one where there are ghosts
 
     def test_a_process_that_cannot_plot_leaves_none_waiting(self):
@@ -154,11 +128,4 @@ class Processes(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    world = vtkMPIController()
-    world.Initialize()
-    vtkMultiProcessController.SetGlobalController(world)
-    program = unittest.main(exit=False)
-    vtkMultiProcessController.SetGlobalController(None)
-    world.Finalize(1)  # not MPI itself, which mpi4py ends
-    MPI.COMM_WORLD.Barrier()
-    sys.exit(not program.result.wasSuccessful())
+    main()
