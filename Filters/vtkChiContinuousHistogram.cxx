@@ -93,10 +93,7 @@ int vtkChiContinuousHistogram::RequestUpdateExtent(
 //------------------------------------------------------------------------------
 vtkDataArray* vtkChiContinuousHistogram::FindArray(vtkDataSet* input, int& association)
 {
-  vtkInformationVector* const chosen =
-    this->GetInformation()->Get(vtkAlgorithm::INPUT_ARRAYS_TO_PROCESS());
-  const bool isChosen = chosen && chosen->GetNumberOfInformationObjects() > 0 &&
-    chosen->GetInformationObject(0)->Has(vtkDataObject::FIELD_ASSOCIATION());
+  const bool isChosen = vtkChiIsChosen(this, 0);
   vtkDataArray* array = nullptr;
   if (isChosen)
   {
@@ -129,10 +126,10 @@ vtkDataArray* vtkChiContinuousHistogram::FindArray(vtkDataSet* input, int& assoc
                   << (ofPoints ? " points" : " cells"));
     return nullptr;
   }
-  if (this->Component < -1 || this->Component >= array->GetNumberOfComponents())
+  const std::string problem = vtkChiRefuseComponent(array, this->Component);
+  if (!problem.empty())
   {
-    vtkErrorMacro(<< vtkChiDescribe(array) << " has no component " << this->Component
-                  << "; they begin at 0, -1 is the magnitude");
+    vtkErrorMacro(<< problem);
     return nullptr;
   }
   return array;

@@ -315,10 +315,7 @@ int vtkChiContinuousScatterplot::RequestUpdateExtent(
 bool vtkChiContinuousScatterplot::FindField(vtkDataSet* input, int index, Field& field)
 {
   static const char* const names[] = { "first array", "second array", "weight" };
-  vtkInformationVector* const chosen =
-    this->GetInformation()->Get(vtkAlgorithm::INPUT_ARRAYS_TO_PROCESS());
-  const bool isChosen = chosen && chosen->GetNumberOfInformationObjects() > index &&
-    chosen->GetInformationObject(index)->Has(vtkDataObject::FIELD_ASSOCIATION());
+  const bool isChosen = vtkChiIsChosen(this, index);
   field = Field();
   field.Component = this->Component[index];
   if (isChosen)
@@ -395,9 +392,11 @@ bool vtkChiContinuousScatterplot::Check(const Field fields[2], const Field& weig
   }
   for (const Field* field : { fields, fields + 1, &weight })
   {
-    if (field->Array && field->Component >= field->Array->GetNumberOfComponents())
+    const std::string problem =
+      field->Array ? vtkChiRefuseComponent(field->Array, field->Component) : std::string();
+    if (!problem.empty())
     {
-      vtkErrorMacro(<< vtkChiDescribe(field->Array) << " has no component " << field->Component);
+      vtkErrorMacro(<< problem);
       return false;
     }
   }

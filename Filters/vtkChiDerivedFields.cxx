@@ -135,10 +135,10 @@ vtkDataArray* vtkChiDerivedFields::FindArray(vtkDataSet* input)
                   << input->GetNumberOfPoints());
     return nullptr;
   }
-  if (this->Component < -1 || this->Component >= array->GetNumberOfComponents())
+  const std::string problem = vtkChiRefuseComponent(array, this->Component);
+  if (!problem.empty())
   {
-    vtkErrorMacro(<< vtkChiDescribe(array) << " has no component " << this->Component
-                  << "; they begin at 0, -1 is the magnitude");
+    vtkErrorMacro(<< problem);
     return nullptr;
   }
   return array;

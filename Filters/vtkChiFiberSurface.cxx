@@ -195,10 +195,7 @@ int vtkChiFiberSurface::RequestData(vtkInformation* vtkNotUsed(request),
   for (int i = 0; i < 2; ++i)
   {
     int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
-    vtkInformationVector* const chosen =
-      this->GetInformation()->Get(vtkAlgorithm::INPUT_ARRAYS_TO_PROCESS());
-    const bool isChosen = chosen && chosen->GetNumberOfInformationObjects() > i &&
-      chosen->GetInformationObject(i)->Has(vtkDataObject::FIELD_ASSOCIATION());
+    const bool isChosen = vtkChiIsChosen(this, i);
     if (isChosen)
     {
       arrays[i] = this->GetInputArrayToProcess(i, input, association);
@@ -222,10 +219,10 @@ int vtkChiFiberSurface::RequestData(vtkInformation* vtkNotUsed(request),
         << (isChosen ? vtkChiChosenArray(this, i) : "; choose it by SetInputArrayToProcess"));
       return 0;
     }
-    if (this->Component[i] >= arrays[i]->GetNumberOfComponents())
+    const std::string problem = vtkChiRefuseComponent(arrays[i], this->Component[i]);
+    if (!problem.empty())
     {
-      vtkErrorMacro("the " << which << " array, " << vtkChiDescribe(arrays[i])
-                           << ", has no component " << this->Component[i]);
+      vtkErrorMacro(<< problem);
       return 0;
     }
     const Internals::Key key{ arrays[i], arrays[i]->GetMTime() };

@@ -7,6 +7,7 @@
 #include "vtkDataArray.h"
 #include "vtkDataObject.h"
 #include "vtkInformation.h"
+#include "vtkInformationVector.h"
 
 #include <cstdint>
 #include <cstring>
@@ -27,7 +28,18 @@ inline std::uint64_t vtkChiBits(double value)
   return pattern;
 }
 
-// For messages: what SetInputArrayToProcess has been told, for messages about an array that is not there.
+// Whether SetInputArrayToProcess has been called for this index; else filters take arrays of their
+// own choice.
+inline bool vtkChiIsChosen(vtkAlgorithm* algorithm, int index)
+{
+  vtkInformationVector* chosen =
+    algorithm->GetInformation()->Get(vtkAlgorithm::INPUT_ARRAYS_TO_PROCESS());
+  return chosen && chosen->GetNumberOfInformationObjects() > index &&
+    chosen->GetInformationObject(index)->Has(vtkDataObject::FIELD_ASSOCIATION());
+}
+
+// For messages: what SetInputArrayToProcess has been told, for messages about an array that is not
+// there.
 inline std::string vtkChiChosenArray(vtkAlgorithm* algorithm, int index)
 {
   vtkInformation* chosen = algorithm->GetInputArrayInformation(index);
@@ -42,6 +54,14 @@ inline std::string vtkChiDescribe(vtkDataArray* array)
   return std::string("array '") + (array->GetName() ? array->GetName() : "(unnamed)") + "' (" +
     array->GetDataTypeAsString() + ", " + std::to_string(array->GetNumberOfTuples()) + " tuples, " +
     std::to_string(array->GetNumberOfComponents()) + " components)";
+}
+
+// Empty, or what is wrong with a component of an array, of which -1 is the magnitude.
+inline std::string vtkChiRefuseComponent(vtkDataArray* array, int component)
+{
+  return component >= -1 && component < array->GetNumberOfComponents() ? std::string()
+                                                                       : vtkChiDescribe(array) +
+      " has no component " + std::to_string(component) + "; they begin at 0, -1 is the magnitude";
 }
 
 #endif

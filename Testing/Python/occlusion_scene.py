@@ -4,9 +4,8 @@
 import numpy as np
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401 (registers the factories)
 import vtkmodules.vtkRenderingVolumeOpenGL2  # noqa: F401 (likewise)
-from vtkmodules.util.misc import calldata_type
+from algorithm_messages import Messages  # noqa: F401 (tests of scenes have it from here)
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.util.vtkConstants import VTK_STRING
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
 from vtkmodules.vtkFiltersSources import vtkPlaneSource, vtkSphereSource
 from vtkmodules.vtkRenderingCore import (
@@ -129,26 +128,6 @@ def square(size, z=0.0, **options):
     source.SetPoint1(size, -size, z)
     source.SetPoint2(-size, size, z)
     return actor(source, **options)
-
-
-class Messages:
-    """Collects errors and warnings of VTK objects instead of printing them."""
-
-    def __init__(self, *objects):
-        self.errors = []
-        self.warnings = []
-
-        @calldata_type(VTK_STRING)
-        def error(_caller, _event, text):
-            self.errors.append(text)
-
-        @calldata_type(VTK_STRING)
-        def warning(_caller, _event, text):
-            self.warnings.append(text)
-
-        for item in objects:
-            item.AddObserver("ErrorEvent", error)
-            item.AddObserver("WarningEvent", warning)
 
 
 class Scene:

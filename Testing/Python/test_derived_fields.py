@@ -5,6 +5,7 @@ import math
 import unittest
 
 import numpy as np
+from algorithm_messages import Messages
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import (VTK_HEXAHEDRON, vtkDataObject, vtkImageData, vtkPolyData,
@@ -81,19 +82,6 @@ def unstructured():
     append.SetInputData(curvilinear())
     append.Update()
     return with_distance(append.GetOutput())
-
-
-class Messages:
-    """Collects the warnings and errors of an algorithm instead of printing them."""
-
-    def __init__(self, algorithm):
-        self.warnings, self.errors = [], []
-        for event, into in (("WarningEvent", self.warnings), ("ErrorEvent", self.errors)):
-            def observer(caller, name, text, into=into):
-                into.append(text)
-            observer.CallDataType = "string0"
-            algorithm.AddObserver(event, observer)
-            algorithm.GetExecutive().AddObserver(event, observer)
 
 
 class DerivedFields(unittest.TestCase):

@@ -5,6 +5,7 @@ import math
 import unittest
 
 import numpy as np
+from algorithm_messages import Messages
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkCommand, vtkPoints, vtkStringArray
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
@@ -37,19 +38,6 @@ def add(attributes, name, values):
     array.SetName(name)
     attributes.AddArray(array)
     return array
-
-
-class Messages:
-    """Collects the warnings and errors of an algorithm instead of printing them."""
-
-    def __init__(self, algorithm):
-        self.warnings, self.errors = [], []
-        for event, into in (("WarningEvent", self.warnings), ("ErrorEvent", self.errors)):
-            def observer(caller, name, text, into=into):
-                into.append(text)
-            observer.CallDataType = "string0"
-            algorithm.AddObserver(event, observer)
-            algorithm.GetExecutive().AddObserver(event, observer)
 
 
 class StreamTubes(unittest.TestCase):

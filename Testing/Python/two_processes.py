@@ -5,6 +5,7 @@ import sys
 import unittest
 
 import numpy as np
+from algorithm_messages import Messages
 from mpi4py import MPI  # before the controller: it calls MPI_Init
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes
@@ -20,15 +21,9 @@ def named(values, name):
 
 def updated(algorithm):
     """Updated, with `messages`: the texts of its errors, which are not printed."""
-    algorithm.messages = []
-
-    def keep(caller, event, text):
-        algorithm.messages.append(text)
-
-    keep.CallDataType = "string0"
-    algorithm.AddObserver("ErrorEvent", keep)
-    algorithm.GetExecutive().AddObserver("ErrorEvent", lambda *_: None)
+    messages = Messages(algorithm)
     algorithm.Update()
+    algorithm.messages = messages.errors
     return algorithm
 
 
