@@ -61,7 +61,7 @@ def plot(image):
     scatterplot.Update()
     density = scatterplot.GetOutput(0)
     values = vtk_to_numpy(density.GetPointData().GetScalars())
-    low = np.log10(values.max()) - 5.0  # decades that are told apart
+    low = np.ceil(np.log10(values.max())) - 5.0  # decades that are told apart
     logarithm = numpy_to_vtk(np.maximum(np.log10(np.maximum(values, 1e-300)), low), deep=True)
     density.GetPointData().SetScalars(logarithm)
 
