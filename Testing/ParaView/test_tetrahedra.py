@@ -38,7 +38,6 @@ from paraview.simple import (
     Wavelet,
 )
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkRectilinearGrid
 from vtkmodules.vtkRenderingCore import vtkVolume, vtkVolumeProperty, vtkWindowToImageFilter
 
@@ -48,17 +47,7 @@ NAME = "Tetrahedra (Chiaroscuro)"
 SIZE = 120
 
 LoadPlugin(sys.argv[1], remote=False, ns=globals())
-# pvbatch prints through the output window too
-sys.stdout, sys.stderr = sys.__stdout__, sys.__stderr__
-said = vtkStringOutputWindow()
-vtkOutputWindow.SetInstance(said)
-
-
-def messages():
-    """What errors and warnings have been written since the last call."""
-    text = said.GetOutput()
-    messages.seen, start = len(text), getattr(messages, "seen", 0)
-    return text[start:]
+from paraview_messages import messages, said  # noqa: E402 (once the plugin has printed what it does)
 
 
 def make_view():
