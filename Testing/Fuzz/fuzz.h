@@ -263,9 +263,14 @@ FUZZ_UNUSED fuzz* fuzz_begin(const uint8_t* bytes, size_t count)
 }
 
 /* The library has given back all that it took. */
-FUZZ_UNUSED void fuzz_end(fuzz* f)
+FUZZ_UNUSED void fuzz_check_all_is_back(const fuzz* f)
 {
   FUZZ_CHECK(f->live_count == 0 && f->live_bytes == 0);
+}
+
+FUZZ_UNUSED void fuzz_end(fuzz* f)
+{
+  fuzz_check_all_is_back(f);
   fuzz_forget(f, 0);
   free(f);
 }

@@ -204,7 +204,7 @@ int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count)
         FUZZ_CHECK(chi_tube_sweep(&exec, own, &none) == CHI_ERROR_NOT_READY);
       }
       chi_tube_destroy(&exec, own);
-      fuzz_end(f);
+      fuzz_check_all_is_back(f);
     }
     fuzz_forget(f, kept);
   }
